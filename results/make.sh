@@ -19,16 +19,16 @@ out=exact tracebench table exact --scene all,bunny.glb,kitchen.glb,sponza-dabrov
 case frames in $wanted) tests/frames.sh ;; esac
 out=watertight tracebench run --tracer bvh-cpu,bvh-cpu@triangle=watertight --preset quick --scene all --rays primary,specular,diffuse --time-limit 3
 planes=fragment-abuffer@thickness=0.001,voxel-abuffer
-out=planes tracebench run --preset quick --frame 480x240 --scene all --rays primary,specular,diffuse --samples 1 \
+out=planes tracebench run --preset quick --frame-size 480x240 --scene all --rays primary,specular,diffuse --samples 1 \
     --tracer $planes,fragment-abuffer:improved,voxel-abuffer:improved
-out=planes/finer tracebench run --preset quick --frame 764x382 --face 408 --scene all --rays primary,specular,diffuse --samples 1 --tracer $planes
+out=planes/finer tracebench run --preset quick --frame-size 764x382 --face-size 408 --scene all --rays primary,specular,diffuse --samples 1 --tracer $planes
 for name in dirt fragment-abuffer voxel-abuffer quadtree lbvh-gpu; do
     out=ablation/$name tracebench table $name-ablation --preset quick --scene room --rays primary,diffuse --samples 5
 done
 out=stability tracebench stability
 out=stability/improved tracebench stability --tracer bvh-cpu:improved,dirt:improved,fragment-abuffer:improved,voxel-abuffer:improved,quadtree:improved,lbvh-gpu:improved
 out=bvh tracebench table bvh --preset quick --rays primary,diffuse
-out=means tracebench table means --preset quick --scene room --rays diffuse
+out=launch-settings tracebench table launch-settings --preset quick --scene room --rays diffuse
 out=clock/alone tracebench doctor --clock --tracer bvh-gpu --preset smoke
 out=clock/beside-another-job tracebench doctor --clock --tracer bvh-gpu --preset smoke --load 2
 for name in bvh-cpu bvh-gpu; do
@@ -51,20 +51,20 @@ for table in table1 figure11; do out=vvp16/$table tracebench table vvp16-$table 
 out=vvp16/table2 tracebench table vvp16-table2 --preset paper --samples 1
 out=vvp16/figure10 tracebench table vvp16-figure10 --preset quick
 out=vvp16/figure12 tracebench table vvp16-figure12 $small --set rays.pixel_random_count=1
-out=vvp16/views tracebench table vvp16-views $small --frame 256x128 --face 128
-out=vvp16/views-of-peers tracebench table vvp16-views $small --frame 256x128 --face 128 --only fragment-abuffer.views=frame --samples 1
+out=vvp16/views tracebench table vvp16-views $small --frame-size 256x128 --face-size 128
+out=vvp16/views-of-peers tracebench table vvp16-views $small --frame-size 256x128 --face-size 128 --only fragment-abuffer.views=frame --samples 1
 out=vvp16/tune tracebench sweep --choose footprint --tracer fragment-abuffer --over thickness --scene all --rays specular,diffuse $small
 f=fragment-abuffer
 out=vvp16/resolution tracebench sweep --tracer $f --over resolution=1/4,1/2,1,2 --set $f.thickness_in=pixels --set $f.thickness=2 --set $f.march=pixels \
     --scene room,candy,atrium --rays specular,diffuse $small
 
-for table in table1 figure6 figure7 figure9 figure11 text; do out=hhz14/$table tracebench table hhz14-$table $small --face 512; done
+for table in table1 figure6 figure7 figure9 figure11 text; do out=hhz14/$table tracebench table hhz14-$table $small --face-size 512; done
 out=hhz14/view-updates tracebench table view-updates --scene room --preset quick
 v=voxel-abuffer
 out=hhz14/solids tracebench run --tracer $v,$v@search=three-step,$v@search=one-step,$v:improved --scene solids --rays primary,specular,diffuse,refraction \
-    $small --face 512 --samples 12
+    $small --face-size 512 --samples 12
 out=hhz14/sweep tracebench sweep --tracer $v --set $v.abuffer=1280 --set $v.grid=64 --grid abuffer=320,640,960,1280,2048,grid=32,64,128,256 \
-    --scene solids,room,atrium --rays primary,diffuse,refraction $small --face 512 --samples 3
+    --scene solids,room,atrium --rays primary,diffuse,refraction $small --face-size 512 --samples 3
 
 out=wkp15/table1 tracebench table wkp15-table1 --preset quick --size 64x32 --samples 12
 for table in table2 table3 table4 table5 figure14 figure15 lightfield text; do out=wkp15/$table tracebench table wkp15-$table $small; done

@@ -1,8 +1,8 @@
 //! What matters most, within seven minutes, by `tracebench reproduce`; then criterion samples builds and diffuse rays in `room` through the
 //! harness's clock, for its own statistics and its comparison with the last time.
 //!
-//! `TRACEBENCH_PRESET` chooses the run preset. `smoke` shows within two minutes that all works; `paper` takes every table whole, and goes on
-//! where it was broken off. Words behind `--` filter criterion's part.
+//! `TRACEBENCH_PRESET` chooses the run preset. `smoke` shows within two minutes that all works; `paper` takes every table whole, and goes
+//! on where it was broken off. Words behind `--` filter criterion's part.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -12,11 +12,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset, Timing};
+use tracebench_api::{AdapterChoice, Gpu, Preset, Timing, TraceTo};
 use tracebench_harness::files::OutputFolder;
 use tracebench_harness::judge::WRONG_RAYS_PER_CAUSE;
 use tracebench_harness::measure::session::Session;
-use tracebench_harness::measure::{self, Contender, Crew};
+use tracebench_harness::measure::{self, TracerCache, TracerConfig};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
@@ -111,39 +111,39 @@ fn plan(preset: RunPreset) -> Plan {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }
 
 fn sample(plan: &Plan, device: &Device, criterion: &mut Criterion) -> Result<(), Box<dyn Error>> {
-    let mut crew = Crew::default();
+    let mut tracer_cache = TracerCache::default();
     for scene in measure::load(plan, &Progress::new(true))? {
         // Criterion compares with the last time by name: another preset is other work.
         let title = format!("{} {}", plan.preset.name, scene.name);
         let loaded = measure::prepare(plan, scene, device, &Cache::of_user(), &Progress::new(true))?;
         let session = &loaded.session;
-        let mut contenders = Vec::new();
+        let mut configs = Vec::new();
         for request in &plan.tracers {
             // What this machine cannot run `reproduce` has named.
-            let Ok(mut contender) = crew.contender(request, device) else { continue };
-            session.sample_build(&mut contender)?;
-            contenders.push((request.name(), contender));
+            let Ok(mut config) = tracer_cache.config(request, device) else { continue };
+            session.sample_build(&mut config)?;
+            configs.push((request.name(), config));
         }
-        sample_builds(session, &title, &mut contenders, criterion);
-        sample_traces(session, &title, &contenders, criterion)?;
+        sample_builds(session, &title, &mut configs, criterion);
+        sample_traces(session, &title, &configs, criterion)?;
     }
     Ok(())
 }
 
-fn sample_builds(session: &Session, title: &str, contenders: &mut [(&str, Contender)], criterion: &mut Criterion) {
+fn sample_builds(session: &Session, title: &str, configs: &mut [(&str, TracerConfig)], criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(format!("{title} build"));
     group.throughput(Throughput::Elements(session.geometry().triangles.len() as u64));
-    for (label, contender) in contenders {
+    for (label, config) in configs {
         group.bench_function(*label, |bencher| {
             bencher.iter_custom(|iterations| {
-                let mut build = || session.sample_build(contender).expect("it was built before");
+                let mut build = || session.sample_build(config).expect("it was built before");
                 (0..iterations).map(|_| duration(build().whole)).sum()
             });
         });
@@ -154,18 +154,17 @@ fn sample_builds(session: &Session, title: &str, contenders: &mut [(&str, Conten
 fn sample_traces(
     session: &Session,
     title: &str,
-    contenders: &[(&str, Contender)],
+    configs: &[(&str, TracerConfig)],
     criterion: &mut Criterion,
 ) -> Result<(), Box<dyn Error>> {
     for rays in &session.rays {
         let mut group = criterion.benchmark_group(format!("{title} {}", rays.set.name));
         group.throughput(Throughput::Elements(rays.buffer.host.len() as u64));
-        for (label, contender) in contenders {
-            let mut hits = session.hit_buffer(contender, rays)?;
+        for (label, config) in configs {
+            let mut hits = session.hit_buffer(config, rays)?;
             group.bench_function(BenchmarkId::from_parameter(label), |bencher| {
                 bencher.iter_custom(|iterations| {
-                    let mut trace =
-                        || session.sample_trace(contender, rays, &mut hits, 1).expect("it was traced before");
+                    let mut trace = || session.sample_trace(config, rays, &mut hits, 1).expect("it was traced before");
                     (0..iterations).map(|_| duration(black_box(trace()))).sum()
                 });
             });
@@ -176,7 +175,7 @@ fn sample_traces(
 }
 
 fn duration(timing: Timing) -> Duration {
-    let believed = Timing::believable(std::slice::from_ref(&timing));
+    let believed = Timing::plausible(std::slice::from_ref(&timing));
     let timing = if believed { timing } else { timing.by_submission() };
     Duration::from_secs_f64(timing.total_ms / 1e3)
 }

@@ -13,7 +13,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 pub use folder::{LIST, OutputFolder};
 
 /// How many names a message has at most.
-const MOST_NAMES: usize = 12;
+const MAX_NAMES: usize = 12;
 
 /// Why something could not be written. Every message names the file and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -70,7 +70,7 @@ pub enum FileError {
 }
 
 fn some(names: &[String]) -> String {
-    let more = names.len().saturating_sub(MOST_NAMES);
+    let more = names.len().saturating_sub(MAX_NAMES);
     let shown = names[..names.len() - more].join(", ");
     if more == 0 { shown } else { format!("{shown} and {more} more") }
 }

@@ -88,7 +88,7 @@ fn imports_run_one_way() {
     assert!(circle(&imports).is_some());
 }
 
-/// Proves that the names of tracers stand in their rooms and in those of papers alone.
+/// Proves that the names of tracers are in their rooms and in those of papers alone.
 #[test]
 fn generic_code_names_no_tracer() {
     let names: Vec<String> = TRACERS.iter().map(|each| format!("\"{}\"", each.name())).collect();

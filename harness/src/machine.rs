@@ -3,7 +3,7 @@
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::{AdapterListing, DeviceLimits, Gpu, Rasterizer};
+use tracebench_api::{AdapterInfo, DeviceLimits, Gpu, Rasterizer};
 
 /// The machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub struct Machine {
     /// Compiler that built the program.
     pub rustc: String,
     /// The adapter used; `None` if no tracer needed one.
-    pub adapter: Option<AdapterListing>,
+    pub adapter: Option<AdapterInfo>,
     /// What its rasterizer was found to do; `None` without an adapter, and in records that are older than this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rasterizer: Option<Rasterizer>,

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use serde_json::json;
-use tracebench_api::{EndPoint, ParameterError, ParameterScope, Parameters, Preset, Value};
+use tracebench_api::{ParameterError, ParameterScope, Parameters, Preset, TraceTo, Value};
 
 use crate::hash::sha256_of_file;
 use crate::machine;
 use crate::rays::RaySet;
 use crate::registry::Registration;
-use crate::results::{Further, LEAST_ROUNDS, Sampling, ShardRecord};
+use crate::results::{Adaptive, MIN_ROUNDS, SampleSchedule, ShardRecord};
 use crate::viewpoint::Pose;
 
 /// Largest edge of a frame or image, pixels.
@@ -30,15 +30,15 @@ pub struct RunPreset {
     /// Edge of a cube face.
     pub face: u32,
     /// How long times are sampled.
-    pub sampling: Sampling,
+    pub sampling: SampleSchedule,
     /// Scale factor of procedural scenes.
     pub scene_scale: f64,
 }
 
 /// How long times are sampled where nothing else is said. An interval of 15 % from end to end tells a slowdown of 15 % apart; how
 /// often it does under recorded noise is what the test of the clock says.
-pub const SAMPLING: Sampling =
-    Sampling { least_rounds: LEAST_ROUNDS, further: Some(Further { interval_share: 0.15, time_limit_s: 20.0 }) };
+pub const SAMPLING: SampleSchedule =
+    SampleSchedule { min_rounds: MIN_ROUNDS, adaptive: Some(Adaptive { ratio_precision: 0.15, time_limit_s: 20.0 }) };
 
 /// Every run preset. `paper` is the set-up of DIRT (HPG 2016, section 5): 1024x512, faces of 512.
 pub const RUN_PRESETS: [RunPreset; 3] = [
@@ -47,7 +47,7 @@ pub const RUN_PRESETS: [RunPreset; 3] = [
         ray_image: [64, 32],
         frame: [128, 64],
         face: 64,
-        sampling: Sampling::rounds(3),
+        sampling: SampleSchedule::rounds(3),
         scene_scale: 0.05,
     },
     RunPreset {
@@ -242,7 +242,7 @@ pub struct Plan {
     /// Seed of the ray sets.
     pub seed: u64,
     /// How far traces go.
-    pub end: EndPoint,
+    pub trace_to: TraceTo,
     /// How many wrong rays of each cause a row keeps.
     pub wrong_rays_per_cause: usize,
     /// Name of the table that the run is made for, if it is made for one.
@@ -271,7 +271,7 @@ impl Plan {
             "ray_parameters": self.ray_parameters,
             "preset": name, "ray_image": ray_image, "frame": frame, "face": face, "sampling": sampling,
             "scene_scale": scene_scale, "view": format!("{:?}", self.view), "time_s": self.time_s, "seed": self.seed,
-            "end": self.end, "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
+            "trace_to": self.trace_to, "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
         })
     }
 }
@@ -284,9 +284,9 @@ mod tests {
     #[test]
     fn presets_are_the_documented_ones() {
         let found = RUN_PRESETS.map(|preset| {
-            let Sampling { least_rounds, further } = preset.sampling;
-            let further = further.map(|further| (further.interval_share, further.time_limit_s));
-            (preset.name, preset.ray_image, preset.frame, preset.face, (least_rounds, further), preset.scene_scale)
+            let SampleSchedule { min_rounds, adaptive } = preset.sampling;
+            let adaptive = adaptive.map(|adaptive| (adaptive.ratio_precision, adaptive.time_limit_s));
+            (preset.name, preset.ray_image, preset.frame, preset.face, (min_rounds, adaptive), preset.scene_scale)
         });
         let on = (12, Some((0.15, 20.0)));
         assert_eq!(

@@ -1,21 +1,21 @@
 //! Every tracer, a line each.
 
-use crate::contenders;
-pub use crate::contenders::{Device, Family, Registration};
+use crate::registrations;
+pub use crate::registrations::{Device, Family, Registration};
 
 /// Every tracer, in the order of tables.
 pub const TRACERS: &[Registration] = &[
-    contenders::bvh_cpu::ROOM,
-    contenders::bvh_gpu::ROOM,
-    contenders::lbvh_gpu::ROOM,
-    contenders::ray_query::ROOM,
-    contenders::dirt::ROOM,
-    contenders::fragment_abuffer::ROOM,
-    contenders::voxel_abuffer::ROOM,
-    contenders::voxel_octree::ROOM,
-    contenders::quadtree::ROOM,
-    contenders::screen_dda::ROOM,
-    contenders::height_field::ROOM,
+    registrations::bvh_cpu::REGISTRATION,
+    registrations::bvh_gpu::REGISTRATION,
+    registrations::lbvh_gpu::REGISTRATION,
+    registrations::ray_query::REGISTRATION,
+    registrations::dirt::REGISTRATION,
+    registrations::fragment_abuffer::REGISTRATION,
+    registrations::voxel_abuffer::REGISTRATION,
+    registrations::voxel_octree::REGISTRATION,
+    registrations::quadtree::REGISTRATION,
+    registrations::screen_dda::REGISTRATION,
+    registrations::height_field::REGISTRATION,
 ];
 
 /// Finds a tracer by name.

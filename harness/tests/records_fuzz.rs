@@ -19,8 +19,8 @@ use std::time::Duration;
 
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
-use tracebench_harness::report::{self, MOST_BYTES, Makers};
-use tracebench_harness::results::{CHOOSE, Run, merge};
+use tracebench_harness::report::{self, MAX_BYTES, Makers};
+use tracebench_harness::results::{CHOOSE, Record, merge};
 use tracebench_harness::statistics::median;
 use tracebench_harness::{compare, papers, tables};
 use tracebench_tests::fuzz::{self, Execution, Random, Tally, Vocabulary};
@@ -113,16 +113,16 @@ const RECORDS: Vocabulary = Vocabulary {
         "known_failure",
     ],
     keys: &[
-        ("void", "\"why\""),
-        ("race", "0"),
-        ("race", "4294967295"),
-        ("window", "1"),
+        ("invalid", "\"why\""),
+        ("interleaved_set", "0"),
+        ("interleaved_set", "4294967295"),
+        ("resident_batch", "1"),
         ("machine", "3"),
-        ("strength", "1"),
+        ("difficulty_level", "1"),
         ("surfaces", "null"),
         ("samples_ms", "[]"),
         ("samples_ms", "[1,2]"),
-        ("wrong_by_rung", "[]"),
+        ("wrong_by_remedy", "[]"),
         ("count", "0"),
         ("count", "9007199254740992"),
         ("skipped", "{}"),
@@ -134,9 +134,9 @@ const RECORDS: Vocabulary = Vocabulary {
         ("stale_by", "[\"geometry\"]"),
         ("frame", "[0,0]"),
         ("frame", "3"),
-        ("checked", "null"),
+        ("held_out", "null"),
         ("traces", "[]"),
-        ("runs", "[]"),
+        ("rows", "[]"),
         ("controls", "[]"),
         ("points", "[]"),
         ("scenes", "[]"),
@@ -150,7 +150,7 @@ const RECORDS: Vocabulary = Vocabulary {
         ("identity", "0.5"),
         ("own_texel", "1e-30"),
         ("anchors", "[]"),
-        ("races", "[]"),
+        ("interleaved_sets", "[]"),
         ("face", "0"),
         ("ray_image", "[1,4294967295]"),
         ("rays_per_pixel", "[0]"),
@@ -252,27 +252,27 @@ fn damaged(seeds: &[Value], number: u64) -> Vec<u8> {
 }
 
 /// Reads a document; what is refused is refused with a reason that names a field, or says that there is no whole document.
-fn read(text: &[u8]) -> Result<Result<Run, Outcome>, String> {
-    match Run::read(text) {
+fn read(text: &[u8]) -> Result<Result<Record, Outcome>, String> {
+    match Record::read(text) {
         Ok(run) => Ok(Ok(run)),
         Err(reason) if reason.contains('`') || reason.len() > 10 => Ok(Err(Outcome::Refused)),
         Err(reason) => Err(format!("refused without a reason: {reason}")),
     }
 }
 
-fn reads(text: &[u8]) -> Execution<Outcome> {
+fn memory_access(text: &[u8]) -> Execution<Outcome> {
     fuzz::execute(&ALLOCATOR, MAX_TIME, FREE + MAX_OF_READING * text.len(), || {
         Ok(read(text)?.map_or_else(|outcome| outcome, |_| Outcome::Read))
     })
 }
 
 /// Takes a record that is read through every verb that reads records; `whole` stands beside it in pages, comparisons and merges.
-fn reports(text: &[u8], whole: &[(String, Run)]) -> Execution<Outcome> {
+fn reports(text: &[u8], whole: &[(String, Record)]) -> Execution<Outcome> {
     let most = FREE_OF_REPORTING + MAX_OF_REPORTING * text.len();
     fuzz::execute(&ALLOCATOR, MAX_TIME, most, || report::without_images(|| through_every_verb(text, whole)))
 }
 
-fn through_every_verb(text: &[u8], whole: &[(String, Run)]) -> Result<Outcome, String> {
+fn through_every_verb(text: &[u8], whole: &[(String, Record)]) -> Result<Outcome, String> {
     let run = match read(text)? {
         Ok(run) => run,
         Err(outcome) => return Ok(outcome),
@@ -282,17 +282,17 @@ fn through_every_verb(text: &[u8], whole: &[(String, Run)]) -> Result<Outcome, S
             return Err(format!("a file would be called {name:?}"));
         }
     }
-    let mut beside: Vec<(String, Run)> = vec![("damaged".to_owned(), run.clone())];
+    let mut beside: Vec<(String, Record)> = vec![("damaged".to_owned(), run.clone())];
     beside.extend(whole.iter().filter(|(_, other)| other.verb() == run.verb()).take(1).cloned());
     let makers = Makers { tables: tables::of_run, claims: papers::claims_of };
-    let _ = report::html_page(&beside, &[], makers, "tracebench report", MOST_BYTES).map(|page| page.html.len());
+    let _ = report::html_page(&beside, &[], makers, "tracebench report", MAX_BYTES).map(|page| page.html.len());
     for (_, other) in &beside {
         let found = compare::compare(("a", &run), ("b", other), 0.05);
         let _ = (report::comparison_text(&found), serde_json::to_string(&found), found.regressions());
     }
     let shards = whole.iter().filter(|(_, other)| other.provenance.shard.is_some()).map(|(_, other)| other);
-    let other = |other: &&Run| {
-        let index = |run: &Run| run.provenance.shard.as_ref().map(|shard| shard.index);
+    let other = |other: &&Record| {
+        let index = |run: &Record| run.provenance.shard.as_ref().map(|shard| shard.index);
         index(other) != index(&run)
     };
     let joined =
@@ -312,17 +312,17 @@ fn alone() -> std::sync::MutexGuard<'static, ()> {
 
 fn read_all(numbers: Range<u64>) -> Tally<Outcome> {
     let (_alone, seeds) = (alone(), seeds());
-    fuzz::run(numbers, |number| damaged(&seeds, number), reads)
+    fuzz::run(numbers, |number| damaged(&seeds, number), memory_access)
 }
 
 fn report_all(numbers: Range<u64>) -> Tally<Outcome> {
     let (_alone, seeds) = (alone(), seeds());
-    let whole: Vec<(String, Run)> =
-        files("seeds").into_iter().map(|(name, text)| (name, Run::read(&text).unwrap())).collect();
+    let whole: Vec<(String, Record)> =
+        files("seeds").into_iter().map(|(name, text)| (name, Record::read(&text).unwrap())).collect();
     // Of each number the first that is read.
     let accepted = |number: u64| {
         let tries = (0..).map(|turn| damaged(&seeds, number * 1_000 + turn));
-        tries.into_iter().find(|text| Run::read(text).is_ok()).unwrap_or_default()
+        tries.into_iter().find(|text| Record::read(text).is_ok()).unwrap_or_default()
     };
     fuzz::run(numbers, accepted, |text| reports(text, &whole))
 }
@@ -331,8 +331,8 @@ fn report_all(numbers: Range<u64>) -> Tally<Outcome> {
 #[test]
 fn seeds_are_sound() {
     let _alone = alone();
-    let whole: Vec<(String, Run)> =
-        files("seeds").into_iter().map(|(name, text)| (name, Run::read(&text).unwrap())).collect();
+    let whole: Vec<(String, Record)> =
+        files("seeds").into_iter().map(|(name, text)| (name, Record::read(&text).unwrap())).collect();
     for verb in ["run", "sweep", CHOOSE, "stability", "explain", "pareto", "need", "table"] {
         assert!(whole.iter().any(|(_, run)| run.verb() == verb), "{verb}");
     }
@@ -358,8 +358,8 @@ fn findings_stay_mended() {
     }
 }
 
-/// Proves on the first executions that no promise is broken, and that the damage is of the right strength: a good part is refused, and a
-/// good part is read.
+/// Proves on the first executions that no promise is broken, and that the damage is of the right difficulty level: a good part is refused,
+/// and a good part is read.
 #[test]
 fn first_reads() {
     let tally = read_all(0..2_000);

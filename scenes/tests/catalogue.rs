@@ -198,7 +198,7 @@ fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     if inside { ((point - a).dot(normal) / normal.length()).abs() } else { edges }
 }
 
-fn least_distance(scene: &Scene, point: [f32; 3]) -> f64 {
+fn min_distance(scene: &Scene, point: [f32; 3]) -> f64 {
     let distances = triangles(scene).into_iter().map(|triangle| distance(to_f64(point), triangle.map(to_f64)));
     distances.fold(f64::INFINITY, f64::min)
 }
@@ -254,12 +254,12 @@ fn viewpoints_stand_in_the_open() {
             assert!((30f32.to_radians()..100f32.to_radians()).contains(&camera.vertical_fov_radians));
         }
         let vertex = scene.mesh.positions[0];
-        assert_eq!(least_distance(&scene, vertex), 0.0);
+        assert_eq!(min_distance(&scene, vertex), 0.0);
         let times = entry.animation_s.map_or(vec![0.0], |end| vec![0.0, 0.5 * end, end]);
         for time_s in times {
             scene.set_time(time_s).unwrap();
             for camera in &scene.cameras {
-                let (found, near) = (least_distance(&scene, camera.eye), 1e-3 * scene.diagonal());
+                let (found, near) = (min_distance(&scene, camera.eye), 1e-3 * scene.diagonal());
                 assert!(found > near, "{} {} at {time_s} s: {found} m of {near}", entry.name, camera.name);
             }
         }
@@ -284,7 +284,7 @@ fn camera_paths_can_be_walked() {
         for step in 0..=20 {
             let camera = path.at(path.duration_s() * f64::from(step) / 20.0);
             assert_looks(entry.name, to_f64(camera.eye), to_f64(camera.target));
-            let (found, near) = (least_distance(&scene, camera.eye), 1e-3 * scene.diagonal());
+            let (found, near) = (min_distance(&scene, camera.eye), 1e-3 * scene.diagonal());
             assert!(found > near, "{} {}: {found} m", entry.name, camera.name);
         }
     }

@@ -239,8 +239,8 @@ fn choice_of_scene() {
     assert_eq!(doc.import().unwrap().mesh.triangles.len(), 6);
 }
 
-/// Proves that a scene of which f32 keeps few steps, since it is far from the origin for its size, says how many and what to do, and that one
-/// which is as far but larger, or as small but near, says nothing.
+/// Proves that a scene of which f32 keeps few steps, since it is far from the origin for its size, says how many and what to do, and that
+/// one which is as far but larger, or as small but near, says nothing.
 #[test]
 fn far_scenes_say_what_is_left_of_them() {
     for (scale, offset, steps) in

@@ -12,28 +12,35 @@ pub struct Listed {
     pub cases: Vec<Case>,
 }
 
-/// A line: definitions that are always switched on, and those that may be.
+/// A line: definitions that are always switched on, those that may be, and those that are chosen where a pipeline is made.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Case {
     pub always: Vec<String>,
     pub optional: Vec<String>,
+    /// A shader has an `override` of that name.
+    pub late: Vec<String>,
 }
 
 impl Case {
-    /// Every choice of the optional definitions: whether each is switched on, the last changing fastest.
+    /// What may be switched on.
+    pub fn free(&self) -> impl Iterator<Item = &String> {
+        self.optional.iter().chain(&self.late)
+    }
+
+    /// Every choice of these: whether each is switched on, the last changing fastest.
     pub fn choices(&self) -> Vec<Vec<bool>> {
-        let count = self.optional.len();
+        let count = self.free().count();
         (0..1_usize << count).map(|bits| (0..count).rev().map(|place| bits >> place & 1 == 1).collect()).collect()
     }
 
-    /// The definitions that are switched on with a choice.
+    /// The definitions that a shader is composed with for a choice.
     pub fn definitions(&self, choice: &[bool]) -> Vec<String> {
         let chosen = self.optional.iter().zip(choice).filter(|(_, is)| **is).map(|(name, _)| name);
         self.always.iter().chain(chosen).cloned().collect()
     }
 }
 
-/// Reads lines `FILE: ALWAYS ... [OPTIONAL] ...`. A file may have several lines; `#` begins a comment.
+/// Reads lines `FILE: ALWAYS ... [OPTIONAL] ... <LATE> ...`. A file may have several lines; `#` begins a comment.
 pub fn read_list(text: &str) -> Result<Vec<Listed>, String> {
     let mut all: Vec<Listed> = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
@@ -49,7 +56,11 @@ pub fn read_list(text: &str) -> Result<Vec<Listed>, String> {
     }
     for Listed { stem, cases } in &all {
         let mut seen = BTreeSet::new();
-        for definitions in cases.iter().flat_map(|case| case.choices().into_iter().map(|way| case.definitions(&way))) {
+        let ways = cases.iter().flat_map(|case| {
+            let ways: BTreeSet<_> = case.choices().iter().map(|way| case.definitions(way)).collect();
+            ways
+        });
+        for definitions in ways {
             let set: BTreeSet<String> = definitions.iter().cloned().collect();
             if !seen.insert(set) {
                 return Err(format!("{stem} with {definitions:?} is listed twice"));
@@ -61,20 +72,24 @@ pub fn read_list(text: &str) -> Result<Vec<Listed>, String> {
 
 fn read_line(line: &str) -> Result<(String, Case), String> {
     let (stem, words) = line.split_once(':').ok_or_else(|| format!("'{line}' has no 'FILE:'"))?;
-    let mut case = Case { always: Vec::new(), optional: Vec::new() };
+    let mut case = Case { always: Vec::new(), optional: Vec::new(), late: Vec::new() };
     let mut seen = BTreeSet::new();
     for word in words.split_whitespace() {
-        let bracketed = word.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
-        let name = bracketed.unwrap_or(word);
+        let within = |begin, end| word.strip_prefix(begin).and_then(|rest: &str| rest.strip_suffix(end));
+        let (name, list) = match (within('[', ']'), within('<', '>')) {
+            (Some(name), _) => (name, &mut case.optional),
+            (_, Some(name)) => (name, &mut case.late),
+            _ => (word, &mut case.always),
+        };
         let is_name = name.starts_with(|first: char| first.is_ascii_uppercase())
             && name.chars().all(|each| each.is_ascii_uppercase() || each.is_ascii_digit() || each == '_');
         if !is_name {
-            return Err(format!("'{word}' is neither NAME nor [NAME]"));
+            return Err(format!("'{word}' is neither NAME nor [NAME] nor <NAME>"));
         }
         if !seen.insert(name) {
             return Err(format!("{name} stands there twice"));
         }
-        if bracketed.is_some() { &mut case.optional } else { &mut case.always }.push(name.to_owned());
+        list.push(name.to_owned());
     }
     Ok((stem.trim().to_owned(), case))
 }
@@ -102,14 +117,13 @@ impl Source {
         })
     }
 
-    /// The definitions that it asks for.
+    /// The definitions that it asks for, and those that it leaves to pipelines.
     pub fn asks_for(&self) -> impl Iterator<Item = &str> {
         let asked = |line: &str| line.starts_with("#if") || line.starts_with("#else if");
-        self.text
-            .lines()
-            .map(str::trim_start)
-            .filter(move |line| asked(line))
-            .filter_map(|line| line.split(' ').next_back())
+        self.text.lines().map(str::trim_start).filter_map(move |line| {
+            let late = line.strip_prefix("override ").and_then(|rest| rest.strip_suffix(": bool;"));
+            late.or_else(|| asked(line).then(|| line.split(' ').next_back())?)
+        })
     }
 }
 
@@ -153,7 +167,7 @@ fn add_imports<'a>(
 /// Holds what a file is listed with against what it and its modules ask for.
 pub fn check_definitions(listed: &Listed, shader: &Source, modules: &[&Source]) -> Result<(), String> {
     let asked: BTreeSet<&str> = std::iter::once(&shader).chain(modules).flat_map(|source| source.asks_for()).collect();
-    let offered = listed.cases.iter().flat_map(|case| case.always.iter().chain(&case.optional));
+    let offered = listed.cases.iter().flat_map(|case| case.always.iter().chain(case.free()));
     let offered: BTreeSet<&str> = offered.map(String::as_str).collect();
     let (unasked, unlisted) = (offered.difference(&asked).next(), asked.difference(&offered).next());
     match (unasked, unlisted) {
@@ -186,6 +200,12 @@ mod tests {
         assert_eq!(ways(&listed[0]), ["", "B", "A", "AB", "CD", "CDB"]);
         assert_eq!(ways(&listed[1]), [""]);
         assert_eq!(read_list("").unwrap(), []);
+        // What is chosen late takes no composing.
+        let late = read_list("trace: [A] <B>").unwrap();
+        assert_eq!(
+            (ways(&late[0]), late[0].cases[0].choices().len()),
+            (["", "", "A", "A"].map(str::to_owned).to_vec(), 4)
+        );
     }
 
     /// What cannot be meant is refused, with its line.
@@ -193,9 +213,11 @@ mod tests {
     fn wrong_lists_are_refused() {
         for (text, error) in [
             ("store:\ntrace [A]", "line 2: 'trace [A]' has no 'FILE:'"),
-            ("trace: [A", "line 1: '[A' is neither NAME nor [NAME]"),
-            ("trace: counted", "line 1: 'counted' is neither NAME nor [NAME]"),
+            ("trace: [A", "line 1: '[A' is neither NAME nor [NAME] nor <NAME>"),
+            ("trace: counted", "line 1: 'counted' is neither NAME nor [NAME] nor <NAME>"),
             ("trace: A [A]", "line 1: A stands there twice"),
+            ("trace: [A] <A>", "line 1: A stands there twice"),
+            ("trace: A <B>\ntrace: A", "trace with [\"A\"] is listed twice"),
             ("trace: [A] [B]\ntrace: B [C]", "trace with [\"B\"] is listed twice"),
         ] {
             assert_eq!(read_list(text).unwrap_err(), error);
@@ -232,6 +254,7 @@ mod tests {
         check("#ifdef A\n#else\n#ifdef B", &[]).unwrap();
         check("#ifdef A", &[&module]).unwrap();
         assert_eq!(check("#ifdef A", &[]).unwrap_err(), "B is listed, and the file asks for {\"A\"} alone");
+        check("#ifdef A\noverride B: bool;", &[]).unwrap();
         let unlisted = check("#ifdef A\n#else ifdef B\n#ifdef AA", &[]).unwrap_err();
         assert_eq!(unlisted, "the file asks for AA, and {\"A\", \"B\"} are listed alone");
     }

@@ -14,7 +14,7 @@ use naga::Module;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use needs::needs_of;
-use structs::bound_structs;
+use structs::{bound_structs, plain};
 use table::{Composed, Table};
 
 /// What a folder's list is called.
@@ -76,7 +76,9 @@ fn make(root: &Path, out: &Path) -> Result<(), String> {
                 sources.find(declares).map(|source| source.file.clone()).unwrap_or_default()
             };
             let structs = bound_structs(&module, file_of)?;
-            Ok(Composed { text, needs: needs_of(&module, &info), structs })
+            let overrides =
+                module.overrides.iter().map(|(_, each)| (plain(&each.name), each.name.clone().unwrap_or_default()));
+            Ok(Composed { text, needs: needs_of(&module, &info), overrides: overrides.collect(), structs })
         })?;
     }
     let source = ("table.rs".to_owned(), table.source());

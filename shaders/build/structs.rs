@@ -21,7 +21,7 @@ pub fn module_of(file: &str) -> String {
 }
 
 /// naga_oil appends the module's name, encoded, to every imported name.
-fn plain(name: &Option<String>) -> String {
+pub fn plain(name: &Option<String>) -> String {
     name.as_deref().and_then(|name| name.split("X_naga_oil").next()).unwrap_or_default().to_owned()
 }
 

@@ -13,6 +13,8 @@ use crate::structs::{BoundStruct, module_of};
 pub struct Composed {
     pub text: String,
     pub needs: Vec<EntryNeeds>,
+    /// What is left to pipelines, by name and as the text calls it.
+    pub overrides: Vec<(String, String)>,
     pub structs: Vec<BoundStruct>,
 }
 
@@ -41,12 +43,20 @@ impl Table {
             let file = format!("{folder}/{}.wgsl", each.stem);
             let mut arms = Vec::new();
             for case in &each.cases {
+                let mut overrides = Vec::new();
                 for choice in case.choices() {
+                    let late = &choice[case.optional.len()..];
+                    if late.contains(&true) {
+                        let expression = shader(self.files.len() - 1, &switches(&overrides, late));
+                        arms.push((pattern(each, case, &choice), expression));
+                        continue;
+                    }
                     let definitions = case.definitions(&choice);
                     let name = std::iter::once(format!("{folder}/{}", each.stem)).chain(definitions.iter().cloned());
                     let name = name.collect::<Vec<_>>().join(" ");
-                    let Composed { text, needs, structs } =
-                        compose(each, &definitions).map_err(|error| format!("{name}: {error}"))?;
+                    let composed = compose(each, &definitions).map_err(|error| format!("{name}: {error}"))?;
+                    let Composed { text, needs, overrides: found, structs } = composed;
+                    overrides = keys(case, &found).map_err(|error| format!("{name}: {error}"))?;
                     for each in structs {
                         let key = [module_of(&each.file), each.name.clone()];
                         let known = self.structs.entry(key).or_insert_with(|| each.clone());
@@ -58,11 +68,12 @@ impl Table {
                     let _ = writeln!(
                         self.all,
                         "Shader {{ name: {name:?}, file: {file:?}, source: include_str!(concat!(env!(\"OUT_DIR\"), \
-                         \"/{place}.wgsl\")), entries: &[{}] }},",
-                        needs.iter().map(entry).collect::<String>()
+                         \"/{place}.wgsl\")), entries: &[{}], switches: {} }},",
+                        needs.iter().map(entry).collect::<String>(),
+                        switches(&overrides, late)
                     );
                     self.files.push((format!("{place}.wgsl"), text));
-                    arms.push((pattern(each, case, &choice), place));
+                    arms.push((pattern(each, case, &choice), format!("super::ALL[{place}]")));
                 }
             }
             items.push_str(&item(each, &file, &arms));
@@ -106,6 +117,28 @@ fn entry(needs: &EntryNeeds) -> String {
     )
 }
 
+/// What a text calls what a line leaves to pipelines, in the line's order.
+fn keys(case: &Case, found: &[(String, String)]) -> Result<Vec<String>, String> {
+    let key = |name: &String| found.iter().find(|(each, _)| each == name).map(|(_, key)| key.clone());
+    let keys = case.late.iter().map(|name| key(name).ok_or_else(|| format!("it has no `override {name}: bool;`")));
+    let unlisted = found.iter().find(|(name, _)| !case.late.contains(name));
+    match unlisted {
+        Some((name, _)) => Err(format!("<{name}> is not listed")),
+        None => keys.collect(),
+    }
+}
+
+/// What a pipeline is told of these, as an expression.
+fn switches(keys: &[String], on: &[bool]) -> String {
+    let each = keys.iter().zip(on).map(|(key, on)| format!("({key:?}, {}.0), ", u32::from(*on)));
+    format!("&[{}]", each.collect::<String>())
+}
+
+/// A composed text with what pipelines are told, as an expression.
+fn shader(place: usize, switches: &str) -> String {
+    format!("super::Shader {{ switches: {switches}, ..super::ALL[{place}] }}")
+}
+
 /// The name of an item after a file, or of an enum's case after definitions.
 fn camel(words: &str) -> String {
     let capital = |word: &str| word[..1].to_uppercase() + &word[1..].to_lowercase();
@@ -124,22 +157,22 @@ fn case_name(case: &Case) -> String {
 /// A variant as a pattern and expression.
 fn pattern(listed: &Listed, case: &Case, choice: &[bool]) -> String {
     let case_name = if is_free(listed) { String::new() } else { format!("::{}", case_name(case)) };
-    let fields = case.optional.iter().zip(choice).map(|(name, is)| format!("{}: {is}", name.to_lowercase()));
+    let fields = case.free().zip(choice).map(|(name, is)| format!("{}: {is}", name.to_lowercase()));
     let fields = fields.collect::<Vec<_>>().join(", ");
     let fields = if fields.is_empty() { fields } else { format!(" {{ {fields} }}") };
     format!("{}{case_name}{fields}", camel(&listed.stem))
 }
 
-/// The item of a file; `arms` are its variants with their places among all.
-fn item(listed: &Listed, file: &str, arms: &[(String, usize)]) -> String {
-    if let [(_, place)] = arms {
+/// The item of a file; `arms` are its variants with the expressions that give them.
+fn item(listed: &Listed, file: &str, arms: &[(String, String)]) -> String {
+    if let [(_, shader)] = arms {
         let name = listed.stem.to_uppercase();
-        return format!("/// `{file}`.\npub static {name}: super::Shader = super::ALL[{place}];\n");
+        return format!("/// `{file}`.\npub static {name}: super::Shader = {shader};\n");
     }
     let name = camel(&listed.stem);
     let fields = |case: &Case, public: &str| -> String {
         let field = |name: &String| format!("/// With `{name}`.\n{public}{}: bool,\n", name.to_lowercase());
-        case.optional.iter().map(field).collect()
+        case.free().map(field).collect()
     };
     let body = if is_free(listed) {
         format!("pub struct {name} {{\n{}}}", fields(&listed.cases[0], "pub "))
@@ -154,7 +187,7 @@ fn item(listed: &Listed, file: &str, arms: &[(String, usize)]) -> String {
         format!("pub enum {name} {{\n{}}}", listed.cases.iter().map(case).collect::<String>())
     };
     let all: String = arms.iter().map(|(pattern, _)| format!("{pattern}, ")).collect();
-    let found: String = arms.iter().map(|(pattern, place)| format!("{pattern} => super::ALL[{place}],\n")).collect();
+    let found: String = arms.iter().map(|(pattern, shader)| format!("{pattern} => {shader},\n")).collect();
     format!(
         "/// Variants of `{file}`.\n#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]\n{body}\nimpl \
          super::Variant for {name} {{\nconst ALL: &'static [Self] = &[{all}];\n}}\nimpl From<{name}> for super::Shader \

@@ -80,10 +80,10 @@ struct Grid {
 
 const STEPS: f32 = 255.0;
 // Of a node; its step is a normal number then.
-const LEAST_EXTENT: f32 = 1e-20;
+const MIN_EXTENT: f32 = 1e-20;
 
 fn grid_of(low: vec3<f32>, high: vec3<f32>) -> Grid {
-    let wanted = max(high - low, vec3<f32>(LEAST_EXTENT)) / STEPS;
+    let wanted = max(high - low, vec3<f32>(MIN_EXTENT)) / STEPS;
     // The exponent of the least power of two that is no less.
     var exponents = (bitcast<vec3<u32>>(wanted) + vec3<u32>(0x007fffffu)) >> vec3<u32>(23u);
     // The division was rounded: a step too small would cut the box.

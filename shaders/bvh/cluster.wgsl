@@ -41,10 +41,10 @@ const SEARCHED: u32 = 8u;
 // So many clusters or fewer are left to `finish`.
 const LAST_CLUSTERS: u32 = 2048u;
 // Levels that a search's private stack serves.
-const MOST_LEVELS: u32 = 64u;
+const MAX_LEVELS: u32 = 64u;
 
 // Pairing alone merges count clusters in so many iterations. As long as no cluster is taller than what is left to
-// MOST_LEVELS then, none will ever be: a pairing makes every cluster taller by one, and halves their number.
+// MAX_LEVELS then, none will ever be: a pairing makes every cluster taller by one, and halves their number.
 fn pairings_of(count: u32) -> u32 {
     return 32u - countLeadingZeros(count - 1u);
 }
@@ -90,7 +90,7 @@ fn seek(first: u32, count: u32, paired: bool) {
     }
     for (var place = first; place < end; place++) {
         let four = select(far.nearest, near.nearest, (place < first + 4u));
-        let tall = height(clusters[place].count) + pairings_of(count) >= MOST_LEVELS;
+        let tall = height(clusters[place].count) + pairings_of(count) >= MAX_LEVELS;
         nearest[place] = select(four[(place - first) & 3u], place, tall);
     }
 }
@@ -197,12 +197,12 @@ fn add_up(@builtin(local_invocation_index) local: u32) {
     }
 }
 
+// Whether wide nodes are made of these.
+override WIDE: bool;
+
 fn stored(cluster: BinaryNode) -> BinaryNode {
-#ifdef WIDE
-    return cluster;
-#else
-    return BinaryNode(cluster.low, cluster.first, cluster.high, select(cluster.count, 0xffffffffu, is_inner(cluster.count)));
-#endif
+    let count = select(cluster.count, 0xffffffffu, !WIDE && is_inner(cluster.count));
+    return BinaryNode(cluster.low, cluster.first, cluster.high, count);
 }
 
 // Of n triangles n - count pairs were merged before an iteration that starts with count clusters; the last one of all is
@@ -239,9 +239,9 @@ fn merge(invocation: Invocation) {
 }
 
 // Clusters that a lane keeps at most.
-const MOST_KEPT: u32 = LAST_CLUSTERS / SUM_LANES;
+const MAX_KEPT: u32 = LAST_CLUSTERS / SUM_LANES;
 // Iterations that search. Those that follow pair what is left.
-const MOST_SEARCHES: u32 = 116u;
+const MAX_SEARCHES: u32 = 116u;
 
 var<workgroup> left: u32;
 
@@ -275,14 +275,14 @@ fn finish(@builtin(local_invocation_index) local: u32) {
         let each = (count + SUM_LANES - 1u) / SUM_LANES;
         let run = vec2<u32>(min(local * each, count), min((local + 1u) * each, count));
         // Where all are too tall to be searched for, nothing was merged.
-        let paired = done >= MOST_SEARCHES || count == previous;
+        let paired = done >= MAX_SEARCHES || count == previous;
         if (SEARCHED * local < count) {
             seek(SEARCHED * local, count, paired);
         }
         storageBarrier();
         var before = before_lane(local, tally_of(run));
         let first = before.x;
-        var kept: array<BinaryNode, MOST_KEPT>;
+        var kept: array<BinaryNode, MAX_KEPT>;
         for (var place = run.x; place < run.y; place++) {
             let role = role_of(place);
             if (role != GOES) {

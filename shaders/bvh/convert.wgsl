@@ -24,7 +24,7 @@ struct Level {
 
 const WORKGROUP_SIZE: u32 = 64u;
 // Most triangles of a leaf.
-const MOST_IN_LEAF: u32 = 3u;
+const MAX_IN_LEAF: u32 = 3u;
 // Testing a triangle costs this much of visiting a node, as in obvhs's conversion.
 const TRIANGLE_COST: f32 = 0.3;
 const NEVER: f32 = -1.0;
@@ -38,7 +38,7 @@ fn priority_of(node: BinaryNode) -> f32 {
     if (!is_inner(node.count)) {
         return NEVER;
     }
-    if (below <= MOST_IN_LEAF) {
+    if (below <= MAX_IN_LEAF) {
         return TRIANGLE_COST * area;
     }
     return select(area, AT_ONCE, (height(node.count) > level.tallest));
@@ -49,7 +49,7 @@ fn slot_costs(offset: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(offset.y + offset.z, offset.y - offset.z, offset.z - offset.y, -offset.y - offset.z);
 }
 
-fn least_of(a: vec4<f32>, b: vec4<f32>) -> f32 {
+fn min_of(a: vec4<f32>, b: vec4<f32>) -> f32 {
     let least = min(a, b);
     return min(min(least.x, least.y), min(least.z, least.w));
 }
@@ -115,8 +115,8 @@ fn convert_node(index: u32, next_level: u32) {
         low = min(low, node.low);
         high = max(high, node.high);
         let below = triangles_below(node.count);
-        triangle_count += select(0u, below, (below <= MOST_IN_LEAF));
-        node_count += select(1u, 0u, (below <= MOST_IN_LEAF));
+        triangle_count += select(0u, below, (below <= MAX_IN_LEAF));
+        node_count += select(1u, 0u, (below <= MAX_IN_LEAF));
     }
     let first_triangle = atomicAdd(&progress[TAKEN_SLOTS], triangle_count);
     let first_child = next_level + atomicAdd(&progress[LEVELS + level.index + 1u], node_count);
@@ -140,7 +140,7 @@ fn convert_node(index: u32, next_level: u32) {
         var least = 3.4e38;
         var chosen = 0u;
         for (var child = 0u; child < count; child++) {
-            let cost = least_of(costs[child] + along_x[child] + taken_low, costs[child] - along_x[child] + taken_high);
+            let cost = min_of(costs[child] + along_x[child] + taken_low, costs[child] - along_x[child] + taken_high);
             if (cost < least && (placed & (1u << child)) == 0u) {
                 least = cost;
                 chosen = child;
@@ -165,7 +165,7 @@ fn convert_node(index: u32, next_level: u32) {
         let slot = slots[child];
         let below = triangles_below(node.count);
         enter_box(&wide, grid, slot, node.low, node.high);
-        if (below <= MOST_IN_LEAF) {
+        if (below <= MAX_IN_LEAF) {
             // The triangles' number in unary, and where they begin.
             wide.children |= byte_at(slot, (((1u << below) - 1u) << 5u) | offset);
             name_triangles(first_triangle + offset, node);

@@ -80,11 +80,11 @@ fn load_node(index: u32) -> WideNode {
 }
 
 // Without the built-ins' promises for what is no number, which cost drivers two more operations; planes are finite.
-fn lesser(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+fn min_second_if_nan(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return select(b, a, (a < b));
 }
 
-fn greater(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+fn max_second_if_nan(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return select(b, a, (a > b));
 }
 
@@ -117,8 +117,8 @@ fn boxes_met(planes: Planes, near: vec3<u32>, far: vec3<u32>, t_min: f32, t_max:
     let leave_x = bytes(far.x) * factor.x + planes.far.x;
     let leave_y = bytes(far.y) * factor.y + planes.far.y;
     let leave_z = bytes(far.z) * factor.z + planes.far.z;
-    let enter = greater(greater(enter_x, enter_y), greater(enter_z, vec4<f32>(t_min)));
-    let leave = lesser(lesser(leave_x, leave_y), lesser(leave_z, vec4<f32>(t_max)));
+    let enter = max_second_if_nan(max_second_if_nan(enter_x, enter_y), max_second_if_nan(enter_z, vec4<f32>(t_min)));
+    let leave = min_second_if_nan(min_second_if_nan(leave_x, leave_y), min_second_if_nan(leave_z, vec4<f32>(t_max)));
     return enter <= leave;
 }
 

@@ -17,7 +17,7 @@ struct QuerySettings {
     scale: f32,
     unscale: f32,
     // The largest t in scene units that the scale keeps finite.
-    greatest_t: f32,
+    max_t: f32,
 }
 
 @group(0) @binding(0) var<uniform> settings: QuerySettings;
@@ -41,7 +41,7 @@ fn describe(ray: Ray, flags: u32) -> RayDesc {
         flags,
         EVERY_INSTANCE,
         ray.t_min * settings.scale,
-        min(ray.t_max, settings.greatest_t) * settings.scale,
+        min(ray.t_max, settings.max_t) * settings.scale,
         ray.origin * settings.scale,
         ray.direction,
     );
@@ -93,8 +93,8 @@ fn trace(invocation: Invocation) {
 }
 
 // The driver tells of no node that it visits. What can be counted is how often a traversal hands control back when it is
-// asked before every triangle that it would take: once a triangle nearer than the last, and once at its end; and which triangles were so offered. It offers none that it
-// tests and a ray misses, so that what is touched is not told.
+// asked before every triangle that it would take: once a triangle nearer than the last, and once at its end; and which triangles were so
+// offered. It offers none that it tests and a ray misses, so that what is touched is not told.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_counted(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);

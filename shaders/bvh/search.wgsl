@@ -22,7 +22,7 @@ struct SearchSettings {
     scale: f32,
     unscale: f32,
     // The largest t in scene units that the scale keeps finite.
-    greatest_t: f32,
+    max_t: f32,
 }
 
 // What is counted of a ray.
@@ -63,11 +63,11 @@ struct Search {
 }
 
 // Directions' components below this count as it, with their sign: one over it times any scaled length is finite.
-const LEAST_COMPONENT: f32 = 1e-18;
+const MIN_COMPONENT: f32 = 1e-18;
 
 fn safe_inverse(direction: vec3<f32>) -> vec3<f32> {
-    let least = select(vec3<f32>(LEAST_COMPONENT), vec3<f32>(-LEAST_COMPONENT), (direction < vec3<f32>(0.0)));
-    return 1.0 / select(direction, least, (abs(direction) < vec3<f32>(LEAST_COMPONENT)));
+    let least = select(vec3<f32>(MIN_COMPONENT), vec3<f32>(-MIN_COMPONENT), (direction < vec3<f32>(0.0)));
+    return 1.0 / select(direction, least, (abs(direction) < vec3<f32>(MIN_COMPONENT)));
 }
 
 fn begin_search(settings: SearchSettings, ray: Ray) -> Search {
@@ -75,7 +75,7 @@ fn begin_search(settings: SearchSettings, ray: Ray) -> Search {
         ray_frame(ray.origin * settings.scale, ray.direction),
         safe_inverse(ray.direction),
         ray.t_min * settings.scale,
-        min(ray.t_max, settings.greatest_t) * settings.scale,
+        min(ray.t_max, settings.max_t) * settings.scale,
         0xffffffffu,
         0.0,
         0.0,

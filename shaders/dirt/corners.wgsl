@@ -12,7 +12,7 @@ struct Corners {
     size: f32,
 }
 
-fn greatest_of(vector: vec3<f32>) -> f32 {
+fn max_of(vector: vec3<f32>) -> f32 {
     return max(max(abs(vector.x), abs(vector.y)), abs(vector.z));
 }
 
@@ -20,7 +20,7 @@ fn corners_less_eye(eye: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) ->
     let near_a = a - eye;
     let near_b = b - eye;
     let near_c = c - eye;
-    return Corners(near_a, near_b, near_c, max(max(greatest_of(near_a), greatest_of(near_b)), greatest_of(near_c)));
+    return Corners(near_a, near_b, near_c, max(max(max_of(near_a), max_of(near_b)), max_of(near_c)));
 }
 
 // A triangle as a face has it.

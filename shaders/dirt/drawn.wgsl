@@ -4,7 +4,7 @@
 
 // A triangle in a view, and the rectangle of tiles that it may touch there: its first tile, and one behind its last; x in the
 // lower halves, y in the upper ones.
-struct DrawnTriangle {
+struct RasterizedTriangle {
     triangle: u32,
     first: u32,
     last: u32,
@@ -14,7 +14,7 @@ struct DrawnTriangles {
     // Of each view, also where there is no room for all of them.
     counts: array<u32, 6>,
     // Those of a view in a row, in the order of triangles.
-    entries: array<DrawnTriangle>,
+    entries: array<RasterizedTriangle>,
 }
 
 // Where corners go that stand for no triangle, since draws are as long as there is room: outside of the image.

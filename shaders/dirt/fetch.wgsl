@@ -7,9 +7,7 @@
 #import tracebench::dirt_hit_buffer::{HitNode, shading_of, view_of}
 #import tracebench::dirt_drawn::{DrawnTriangles, NOTHING_DRAWN}
 #import tracebench::dirt_vertices::corner_of
-#ifdef CONSERVATIVE
 #import tracebench::tile_clip::{tile_margin, tile_frustum, polygon_range, tile_rectangle, rectangle_corner}
-#endif
 
 struct FetchPass {
     // The view that is drawn, its size in pixels.
@@ -28,6 +26,9 @@ struct FetchPass {
 @group(0) @binding(5) var<storage, read> nodes: array<HitNode>;
 @group(0) @binding(6) var<storage, read_write> surfaces: array<Surface>;
 
+// Whether all pixels that a triangle touches are its own.
+override CONSERVATIVE: bool;
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) triangle: u32,
@@ -41,13 +42,16 @@ fn drawn_triangle(number: u32) -> u32 {
     return listed.entries[drawn.first_entry + number].triangle;
 }
 
-#ifdef CONSERVATIVE
-// Two triangles a triangle: the rectangle of pixels that it may touch.
+// Two triangles a triangle: the rectangle of pixels that it may touch; or one of the pixels whose centres it covers, by the rasterizer's
+// own rule.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = drawn_triangle(index / 6u);
+    let triangle = drawn_triangle(index / select(3u, 6u, CONSERVATIVE));
     if (triangle == NO_PRIMITIVE) {
         return Corner(NOTHING_DRAWN, 0u);
+    }
+    if (!CONSERVATIVE) {
+        return Corner(clip_position(drawn.view, to_eye_space(drawn.view, corner_of(triangle, index % 3u))), triangle);
     }
     let a = to_eye_space(drawn.view, corner_of(triangle, 0u));
     let b = to_eye_space(drawn.view, corner_of(triangle, 1u));
@@ -55,40 +59,24 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     let rectangle = tile_rectangle(drawn.view, drawn.pixels, a, b, c);
     return Corner(rectangle_corner(rectangle, drawn.pixels, index), triangle);
 }
-#else
-// Pixels whose centres a triangle covers, by the rasterizer's own rule.
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = drawn_triangle(index / 3u);
-    if (triangle == NO_PRIMITIVE) {
-        return Corner(NOTHING_DRAWN, 0u);
-    }
-    return Corner(clip_position(drawn.view, to_eye_space(drawn.view, corner_of(triangle, index % 3u))), triangle);
-}
-#endif
 
 // Whether a triangle covers a pixel.
 fn covers(triangle: u32, pixel: vec2<u32>) -> bool {
-#ifdef CONSERVATIVE
+    if (!CONSERVATIVE) {
+        return true;
+    }
     let frustum = tile_frustum(drawn.view, pixel, tile_margin(drawn.view.size));
     let a = to_eye_space(drawn.view, corner_of(triangle, 0u));
     let b = to_eye_space(drawn.view, corner_of(triangle, 1u));
     let c = to_eye_space(drawn.view, corner_of(triangle, 2u));
     let range = polygon_range(frustum, a, b, c);
     return range.least <= range.greatest;
-#else
-    return true;
-#endif
 }
 
 // Whether a hit is one on the triangle that is drawn: with conservative coverage any hit on it, in whatever view it was found;
 // without, a hit that this view's own pixel holds (section 4.2.4).
 fn is_sought(node: HitNode, triangle: u32) -> bool {
-#ifdef CONSERVATIVE
-    return node.primitive == triangle;
-#else
-    return node.primitive == triangle && view_of(node) == drawn.view_index;
-#endif
+    return node.primitive == triangle && (CONSERVATIVE || view_of(node) == drawn.view_index);
 }
 
 @fragment

@@ -1,6 +1,6 @@
 // The two geometry passes of DIRT (sections 4.1.1 and 4.1.2): every triangle's part in every tile that it covers, first
-// into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap. With COMPUTE without the rasterizer:
-// what a triangle touches is found the same, bit for bit; which centres it covers by the rule of tracebench::coverage.
+// into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap. In compute (`draw`) without the
+// rasterizer: what a triangle touches is found the same, bit for bit; which centres it covers by the rule of tracebench::coverage.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::tile_clip::{DepthRange, TileFrustum, TileRectangle, tile_margin, tile_frustum, polygon_range, plane_range, joined, rectangle_corner}
@@ -8,15 +8,10 @@
 #import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
 #import tracebench::dirt_drawn::{DrawnTriangles, NOTHING_DRAWN}
 #import tracebench::dirt_vertices::corner_of
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::raster_work::{RasterPart, part_of}
-#ifdef CONSERVATIVE
 #import tracebench::tile_clip::{tile_rectangle, tiles_frustum}
-#else
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
-#endif
-#endif
 
 struct FillPass {
     view: View,
@@ -30,9 +25,8 @@ struct FillPass {
 
 @group(0) @binding(0) var<uniform> grid: TileGrid;
 @group(0) @binding(1) var<uniform> drawn: FillPass;
-#ifndef COMPUTE
+// Of the rasterizer alone.
 @group(0) @binding(3) var<storage, read> listed: DrawnTriangles;
-#endif
 // Of depth bounds and heads, the drawn view's part.
 #ifdef PRIMITIVES
 @group(0) @binding(4) var<storage, read> bounds: array<vec2<u32>>;
@@ -58,8 +52,11 @@ struct FillPass {
 @group(0) @binding(4) var<storage, read_write> bounds: array<atomic<u32>>;
 #endif
 
+// Whether all tiles that a triangle touches are its own, or those whose centres it covers.
+override CONSERVATIVE: bool;
+
 // More nodes than any device holds, and far enough from 2^32 for what runs at the same time.
-const MOST_NODES: u32 = 0xf0000000u;
+const MAX_NODES: u32 = 0xf0000000u;
 
 // A relative slack of depths: what clipping in f32 may be off by.
 const DEPTH_SLACK: f32 = 9.5367431640625e-7;
@@ -76,9 +73,9 @@ fn take_nodes(count: u32) -> u32 {
     atomicAdd(&counted[1], 1u);
 #endif
     // Where further counts could wrap they are taken back.
-    if (first >= MOST_NODES) {
+    if (first >= MAX_NODES) {
         atomicSub(&taken[0], count);
-        return MOST_NODES;
+        return MAX_NODES;
     }
     return first;
 }
@@ -157,14 +154,12 @@ fn put_part(tile: vec2<u32>, triangle: u32) {
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
-#ifdef CONSERVATIVE
 // Rows with fewer tiles are not asked whether the triangle touches them.
 const SHORT_ROW: i32 = 4;
 
-fn put_parts(part: RasterPart) {
+fn put_touched(part: RasterPart) {
     let a = eye_point(part.triangle, 0u);
     let b = eye_point(part.triangle, 1u);
     let c = eye_point(part.triangle, 2u);
@@ -184,8 +179,8 @@ fn put_parts(part: RasterPart) {
         }
     }
 }
-#else
-fn put_parts(part: RasterPart) {
+
+fn put_covered(part: RasterPart) {
     let a = corner_of(part.triangle, 0u);
     let b = corner_of(part.triangle, 1u);
     let c = corner_of(part.triangle, 2u);
@@ -200,58 +195,51 @@ fn put_parts(part: RasterPart) {
         }
     }
 }
-#endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn draw(invocation: Invocation) {
     let part = part_of(invocation);
     if (all(part.low < part.high)) {
-        put_parts(part);
+        if (CONSERVATIVE) {
+            put_touched(part);
+        } else {
+            put_covered(part);
+        }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) triangle: u32,
 }
 
-#ifdef CONSERVATIVE
 fn unpacked(tile: u32) -> vec2<f32> {
     return vec2<f32>(vec2<u32>(tile & 0xffffu, tile >> 16u));
 }
 
-// Two triangles a triangle: the rectangle of tiles that it may touch.
+// Two triangles a triangle: the rectangle of tiles that it may touch; or one of the tiles whose centres it covers, by the rasterizer's own
+// rule.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let number = index / 6u;
+    let number = index / select(3u, 6u, CONSERVATIVE);
     if (number >= listed.counts[drawn.view_index]) {
         return Corner(NOTHING_DRAWN, 0u);
     }
     let entry = listed.entries[drawn.first_entry + number];
-    let rectangle = TileRectangle(unpacked(entry.first), unpacked(entry.last));
-    return Corner(rectangle_corner(rectangle, grid.tiles, index), entry.triangle);
-}
-#else
-// Tiles whose centres a triangle covers, by the rasterizer's own rule.
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let number = index / 3u;
-    if (number >= listed.counts[drawn.view_index]) {
-        return Corner(NOTHING_DRAWN, 0u);
+    if (CONSERVATIVE) {
+        let rectangle = TileRectangle(unpacked(entry.first), unpacked(entry.last));
+        return Corner(rectangle_corner(rectangle, grid.tiles, index), entry.triangle);
     }
-    let triangle = listed.entries[drawn.first_entry + number].triangle;
-    let position = clip_position(drawn.view, eye_point(triangle, index % 3u));
+    let position = clip_position(drawn.view, eye_point(entry.triangle, index % 3u));
     // The last column and row of tiles may reach beyond the view, and the attachment with them.
     let scale = drawn.view.size / vec2<f32>(grid.tiles);
     let x = (position.x + position.w) * scale.x - position.w;
     let y = position.w - (position.w - position.y) * scale.y;
-    return Corner(vec4<f32>(x, y, position.zw), triangle);
+    return Corner(vec4<f32>(x, y, position.zw), entry.triangle);
 }
-#endif
 
 @fragment
 fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_part(vec2<u32>(in.position.xy), in.triangle);
     return vec4<f32>(0.0);
 }
-#endif

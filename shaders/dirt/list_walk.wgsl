@@ -2,7 +2,8 @@
 
 // The walk of a leg over the tiles of a face of the packed forms of DIRT without trees.
 
-#import tracebench::dirt_packed_ray::{open, is_done}
+#import tracebench::lanes::open
+#import tracebench::dirt_packed_ray::is_done
 #import tracebench::dirt_packed_walk::{is_walking, entered, begin_steps, step_on, entered_number}
 #import tracebench::dirt_tile_lists::search_lists
 

@@ -144,9 +144,9 @@ fn node_count_of(parts: u32) -> u32 {
 
 // The scale of a tile's depth codes: w of a code is that whose bits are base + code * step. Both in one word, the base rounded down to
 // 2^16 and the step up to 2^7, so that 254 steps reach from the least w of the tile to the greatest.
-fn depth_scale(least_bits: u32, greatest_bits: u32) -> u32 {
-    let base = least_bits >> 16u;
-    let range = greatest_bits - (base << 16u);
+fn depth_scale(min_bits: u32, max_bits: u32) -> u32 {
+    let base = min_bits >> 16u;
+    let range = max_bits - (base << 16u);
     let step = ((range / 254u) >> 7u) + 1u;
     return (base << 16u) | min(step, 0xffffu);
 }

@@ -4,20 +4,21 @@
 
 #import tracebench::types::{Ray, NO_PRIMITIVE}
 #import tracebench::triangle::ray_frame
+#import tracebench::lanes::open
 #import tracebench::reads::word_0
 #import tracebench::dirt_packed_grid::{NEAREST, FARTHEST, NEAR_CUBE, SLICE_BASE, SLICE_RATE, to_face, noisy_cube}
 #import tracebench::dirt_packed_ray::{
     PLANE_SLACK, Best, Leg, Work, grid, search, ray, ray_origin, reach, frame, leg, best, found, limit, capped, steps, slice_base, slice_rate,
-    open, work, is_done, last_t, set_limit
+    work, is_done, last_t, set_limit
 }
 #import tracebench::dirt_packed_near::passes_box
 
 // No ray gets there.
 const NEVER: f32 = 1e38;
 // Changes below this, of what there is, count as it.
-const LEAST_CHANGE: f32 = 1e-9;
+const MIN_CHANGE: f32 = 1e-9;
 // Slopes of planes and directions below this count as it.
-const LEAST_SLOPE: f32 = 1e-18;
+const MIN_SLOPE: f32 = 1e-18;
 
 // Spans of three faces at once, those along the axes in one sense.
 struct Spans {
@@ -40,31 +41,31 @@ var<private> passes_eye: bool;
 var<private> centre: f32;
 
 // Without the built-ins' promises for what is no number, which cost drivers two more operations; spans are numbers.
-fn lesser(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+fn min_second_if_nan(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return select(b, a, (a < b));
 }
 
-fn greater(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+fn max_second_if_nan(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return select(b, a, (a > b));
 }
 
 // Cuts the spans of all faces at planes that opposite faces share, where value + slope t is 0: what is not negative lies ahead, what is not
 // positive behind. A ray along such a plane keeps to one side of it, or within rounding of both, where another face holds it too.
 fn cut_both(value: vec3<f32>, slope: vec3<f32>) {
-    let inverse = safe_inverse(slope, vec3<f32>(LEAST_SLOPE));
+    let inverse = safe_inverse(slope, vec3<f32>(MIN_SLOPE));
     let at = -value * inverse;
     let rises = inverse > vec3<f32>(0.0);
-    ahead.begin = greater(ahead.begin, select(vec3<f32>(-NEVER), at, rises));
-    ahead.end = lesser(ahead.end, select(at, vec3<f32>(NEVER), rises));
-    behind.begin = greater(behind.begin, select(at, vec3<f32>(-NEVER), rises));
-    behind.end = lesser(behind.end, select(vec3<f32>(NEVER), at, rises));
+    ahead.begin = max_second_if_nan(ahead.begin, select(vec3<f32>(-NEVER), at, rises));
+    ahead.end = min_second_if_nan(ahead.end, select(at, vec3<f32>(NEVER), rises));
+    behind.begin = max_second_if_nan(behind.begin, select(at, vec3<f32>(-NEVER), rises));
+    behind.end = min_second_if_nan(behind.end, select(vec3<f32>(NEVER), at, rises));
 }
 
 // The spans between two depths along every axis.
 fn between(near: vec3<f32>, far: vec3<f32>, inverse: vec3<f32>) -> Spans {
     let one = (near - ray_origin) * inverse;
     let other = (far - ray_origin) * inverse;
-    return Spans(greater(lesser(one, other), vec3<f32>(ray.t_min)), lesser(greater(one, other), vec3<f32>(ray.t_max)));
+    return Spans(max_second_if_nan(min_second_if_nan(one, other), vec3<f32>(ray.t_min)), min_second_if_nan(max_second_if_nan(one, other), vec3<f32>(ray.t_max)));
 }
 
 fn if_any(spans: Spans) -> Spans {
@@ -86,7 +87,7 @@ fn find_spans(wide: f32, nearest: f32, farthest: f32, inverse: vec3<f32>) {
     behind = if_any(behind);
 }
 
-fn least_of(vector: vec3<f32>) -> f32 {
+fn min_of(vector: vec3<f32>) -> f32 {
     return min(min(vector.x, vector.y), vector.z);
 }
 
@@ -107,7 +108,7 @@ fn make_leg(face: u32, begin: f32, end: f32, nearest: f32) {
     let last = vec3<f32>((b.xy * ws.y + 1.0) * half, ws.y);
     let change = last - first;
     let w_most = max(ws.x, ws.y);
-    let least = vec3<f32>(LEAST_CHANGE, LEAST_CHANGE, LEAST_CHANGE * w_most);
+    let least = vec3<f32>(MIN_CHANGE, MIN_CHANGE, MIN_CHANGE * w_most);
     leg = Leg(first, change, safe_inverse(change, least), vec2<f32>(begin, end), ws, PLANE_SLACK * w_most);
     set_limit();
 }
@@ -145,7 +146,7 @@ fn begin_ray(asked: Ray) {
     let nearest = 0.99 / nearest_w;
     let farthest = 1.001 / farthest_w;
     let noisy = select(0.0, noisy_cube(grid.tiles, reach), (search.split == 1u));
-    let inverse = safe_inverse(ray.direction, vec3<f32>(LEAST_SLOPE));
+    let inverse = safe_inverse(ray.direction, vec3<f32>(MIN_SLOPE));
     centre = select(0.0, noisy * 1.015625, noisy > 0.98 * nearest);
     let cube = max(centre, near_cube);
     passes_eye = cube > 0.0 && passes_box(vec3<f32>(-cube), vec3<f32>(cube), inverse);
@@ -155,13 +156,13 @@ fn begin_ray(asked: Ray) {
 
 // Whether the ray enters another face before its best hit.
 fn has_face() -> bool {
-    let begin = min(least_of(ahead.begin), least_of(behind.begin));
+    let begin = min(min_of(ahead.begin), min_of(behind.begin));
     return begin < NEVER && begin <= last_t() && !is_done();
 }
 
 // Makes the leg in the face that the ray enters next, and tells which one that is.
 fn next_leg() -> u32 {
-    let begin = min(least_of(ahead.begin), least_of(behind.begin));
+    let begin = min(min_of(ahead.begin), min_of(behind.begin));
     // The first of them, without branches.
     let is_ahead = ahead.begin == vec3<f32>(begin);
     let is_behind = behind.begin == vec3<f32>(begin);

@@ -4,7 +4,8 @@
 
 #import tracebench::reads::{quad_1, word_0}
 #import tracebench::dirt_packed_grid::{FARTHEST, NEAR_COUNT, FIRST_NEAR, first_corner, listed_cube}
-#import tracebench::dirt_packed_ray::{UNIT, grid, ray, ray_origin, reach, open, is_done, last_t, test_triangle}
+#import tracebench::lanes::open
+#import tracebench::dirt_packed_ray::{UNIT, grid, ray, ray_origin, reach, is_done, last_t, test_triangle}
 
 // Whether the ray passes a box less the eye, which is widened by what it is off by there.
 fn passes_box(low: vec3<f32>, high: vec3<f32>, inverse: vec3<f32>) -> bool {

@@ -12,6 +12,7 @@
 #import tracebench::types::Ray
 #import tracebench::triangle::{RayFrame, cross_triangle}
 #import tracebench::reads::{quad_1, word_0}
+#import tracebench::lanes::open
 #import tracebench::dirt_packed_grid::{PackedGrid, FIRST_NEAR, first_corner, slice_of, slices_between}
 
 struct PackedSearch {
@@ -86,9 +87,6 @@ var<private> steps: u32;
 // Where slices begin, and slices a unit.
 var<private> slice_base: u32;
 var<private> slice_rate: f32;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after 65,535 rounds
-// in all; a ray that it cut off is given up like one that ran out of steps.
-var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: Work;
 #endif

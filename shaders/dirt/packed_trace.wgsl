@@ -7,14 +7,14 @@
 // Where it would be more, within a cube round the eye, the image of a ray is noise: there every triangle is tested that may come so near.
 // Boxes are widened by what places are off by and by what the ray's own planes lose. Faces overlap by TILE_MARGIN.
 
-#import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
+#import tracebench::types::{Ray, Hit, miss, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #ifdef TREES
-#import tracebench::lanes::{WORKGROUP_SIZE, Block, block_of, take_ray}
+#import tracebench::lanes::{WORKGROUP_SIZE, Block, open, block_of, take_ray, answer_again}
 #else
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, open, turns_of, answer_again}
 #endif
-#import tracebench::dirt_packed_ray::{search, best, found, capped, open, Work, work}
+#import tracebench::dirt_packed_ray::{search, best, found, capped, Work, work}
 #import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
 #import tracebench::dirt_packed_near::search_near
 #ifdef TREES
@@ -44,7 +44,7 @@ fn answer() -> Hit {
 }
 
 // Along an axis.
-const MOST_WORKGROUPS: u32 = 65535u;
+const MAX_WORKGROUPS: u32 = 65535u;
 
 fn note(index: u32, hit: Hit) {
     hits[index] = hit;
@@ -74,7 +74,7 @@ fn search_faces() {
 
 // Answers rays of a block, one after the other. Left without an answer are those for which what lies near the eye is to be searched: few
 // are, and drivers may run every branch for all; and those that are cut off, with all that no lane has taken then.
-fn answer_rays(block: Block, local: u32) {
+fn answer_block(block: Block, local: u32) {
     var index = take_ray(block, local);
     if (index >= block.end) {
         return;
@@ -136,7 +136,7 @@ fn search_faces() {
 
 // Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
 // few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
-fn answer_rays(turns: Turns) {
+fn answer_turns(turns: Turns) {
     var index = turns.ray;
     if (index >= turns.end) {
         return;
@@ -169,14 +169,14 @@ fn answer_rays(turns: Turns) {
 fn tell_left() {
 #ifndef COUNTERS
     let workgroups = (search.ray_count + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE;
-    atomicMax(&left[0], min(workgroups, MOST_WORKGROUPS));
-    atomicMax(&left[1], (workgroups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS);
+    atomicMax(&left[0], min(workgroups, MAX_WORKGROUPS));
+    atomicMax(&left[1], (workgroups + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS);
     atomicMax(&left[2], 1u);
 #endif
 }
 
-// Answers one ray, as given up where loops are cut off.
-fn answer_ray(index: u32) {
+// Of `trace_unanswered`: a ray is given up where loops are cut off.
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     begin_lane();
     begin_ray(rays[index]);
     if (passes_eye) {
@@ -190,40 +190,17 @@ fn answer_ray(index: u32) {
     }
 }
 
-fn answer_rays_in_turns(invocation: Invocation, rays_per_lane: u32) {
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
 #ifdef TREES
-    answer_rays(block_of(invocation, 0u, search.ray_count, rays_per_lane), invocation.local);
+    answer_block(block_of(invocation, 0u, search.ray_count, search.rays_per_lane), invocation.local);
 #else
-    answer_rays(turns_of(invocation, 0u, search.ray_count, rays_per_lane));
+    answer_turns(turns_of(invocation, 0u, search.ray_count, search.rays_per_lane));
 #endif
 }
 
-// A ray a lane.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    answer_rays_in_turns(invocation, 1u);
-}
-
-// Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them, are left
-// unanswered.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(invocation: Invocation) {
-    answer_rays_in_turns(invocation, search.rays_per_lane);
-}
-
-// Whether a ray of the workgroup has no answer.
-var<workgroup> unanswered: atomic<u32>;
-
-// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same ones
-// run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count && hits[index].status == 0u) {
-        atomicStore(&unanswered, 1u);
-    }
-    workgroupBarrier();
-    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
-        answer_ray(index);
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

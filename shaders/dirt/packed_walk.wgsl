@@ -36,11 +36,11 @@ fn edge_of(at_level: u32) -> u32 {
 }
 
 // Without the built-ins' promises for what is no number, which cost drivers two more operations.
-fn lesser(a: f32, b: f32) -> f32 {
+fn min_second_if_nan(a: f32, b: f32) -> f32 {
     return select(b, a, (a < b));
 }
 
-fn greater(a: f32, b: f32) -> f32 {
+fn max_second_if_nan(a: f32, b: f32) -> f32 {
     return select(b, a, (a > b));
 }
 
@@ -82,12 +82,12 @@ fn step_on(asked: bool) -> bool {
     let leaves = select(vec2<f32>(NEVER), (vec2<f32>(line) - leg.begin.xy) * leg.inverse.xy, is_inner);
     let leaves_by_x = leaves.x <= leaves.y;
     let begin = here;
-    let end = lesser(greater(select(leaves.y, leaves.x, leaves_by_x), begin), 1.0);
+    let end = min_second_if_nan(max_second_if_nan(select(leaves.y, leaves.x, leaves_by_x), begin), 1.0);
     let w_here = leg.begin.z + leg.change.z * begin;
     let w_there = leg.begin.z + leg.change.z * end;
-    let w_most = greater(greater(w_here, w_there), 0.0);
+    let w_most = max_second_if_nan(max_second_if_nan(w_here, w_there), 0.0);
     let w_slack = depth_loss(w_most);
-    let mask = mask_between(greater(lesser(w_here, w_there) - w_slack, 0.0), w_most + w_slack);
+    let mask = mask_between(max_second_if_nan(min_second_if_nan(w_here, w_there) - w_slack, 0.0), w_most + w_slack);
     // As cell_number has it: tables in uniforms are slow where every lane asks for a place of its own.
     let edge = (i32(grid.tiles) + size - 1) >> level;
     let held = pair_0(select(0u, level_begin + u32(cell.y * edge + cell.x), goes));

@@ -16,7 +16,7 @@
 }
 #import tracebench::dirt_corners::{Corners, corners_less_eye, seen_from, face_towards, distance_to_triangle}
 #import tracebench::dirt_parts::{
-    LEAST_DEPTH, PolygonState, Whole, Part, is_outside, is_whole, make_whole, make_polygon, tiles_of, margin_of, plane_loss_of,
+    MIN_DEPTH, PolygonState, Whole, Part, is_outside, is_whole, make_whole, make_polygon, tiles_of, margin_of, plane_loss_of,
     whole_in_tile, polygon_in_tile, whole_in_row, polygon_in_row, is_part, grown_part
 }
 
@@ -42,7 +42,7 @@
 
 const WORKGROUP_SIZE: u32 = 64u;
 // Tiles of a face that one lane goes over.
-const MOST_TILES: u32 = 32u;
+const MAX_TILES: u32 = 32u;
 // Tiles that are counted without clipping.
 const FEW_TILES: u32 = 6u;
 // Workgroups that take what waits for one in turns.
@@ -77,13 +77,13 @@ fn measure(invocation: Invocation) {
         var may_come = 1e30;
         if (near.size > 0.0) {
             let distance = distance_to_triangle(near.a / near.size, near.b / near.size, near.c / near.size);
-            // Twice what the distance is off by: as good as none where it is below sqrt(3) LEAST_DEPTH, too.
+            // Twice what the distance is off by: as good as none where it is below sqrt(3) MIN_DEPTH, too.
             let least = max(distance - 4.8828125e-4, 0.0);
             may_come = least * near.size;
             if (least == 0.0) {
-                atomicMax(&cube_here, bitcast<u32>(near.size * LEAST_DEPTH * 1.015625));
+                atomicMax(&cube_here, bitcast<u32>(near.size * MIN_DEPTH * 1.015625));
             }
-            let depth = max(least * 0.57, LEAST_DEPTH * 0.984375) * near.size;
+            let depth = max(least * 0.57, MIN_DEPTH * 0.984375) * near.size;
             atomicMax(&nearest_here, bitcast<u32>(1.0 / depth));
             atomicMax(&farthest_here, ~bitcast<u32>((1.0 - 3.814697265625e-6) / near.size));
         }
@@ -165,13 +165,13 @@ fn count(invocation: Invocation) {
         if (is_outside(seen.a, seen.b, seen.c, corners.size)) {
             continue;
         }
-        var covered = MOST_TILES + 1u;
+        var covered = MAX_TILES + 1u;
         if (is_whole(seen.a, seen.b, seen.c, corners.size)) {
             let state = whole_of(seen).state;
             let tiles = tiles_of(state, grid.tiles, margin_counted(state));
             covered = tiles_within(tiles);
         }
-        if (covered > MOST_TILES) {
+        if (covered > MAX_TILES) {
             let place = atomicAdd(&words[LARGE_COUNT], 1u);
             atomicStore(&plans[8u * grid.triangle_count - 1u - place], triangle * FACES + face);
         } else if (covered > 0u) {
@@ -310,8 +310,8 @@ fn spread(bits: u32) -> u32 {
 
 // The place of a part along the tile's curve: Morton's, led by depth: 9 bits of depth over all slices, 4 each across and upward, of which
 // more would lead nodes apart in depth.
-fn order_of(box: u32, least_w: f32, greatest_w: f32) -> u32 {
-    let middle = (bitcast<u32>(least_w) >> 1u) + (bitcast<u32>(greatest_w) >> 1u);
+fn order_of(box: u32, min_w: f32, max_w: f32) -> u32 {
+    let middle = (bitcast<u32>(min_w) >> 1u) + (bitcast<u32>(max_w) >> 1u);
     let base = atomicLoad(&words[SLICE_BASE]);
     let rate = bitcast<f32>(atomicLoad(&words[SLICE_RATE])) * 512.0 / f32(grid.slices);
     let depth = min(u32(f32(max(middle, base) - base) * rate), 511u);

@@ -35,7 +35,7 @@ struct MipmapLevel {
 
 const WORKGROUP_SIZE: u32 = 64u;
 // More parts in a tile are not built: drivers count a lane's rounds.
-const MOST_PARTS: u32 = 2097152u;
+const MAX_PARTS: u32 = 2097152u;
 
 fn tile_count() -> u32 {
     return FACES * grid.tiles * grid.tiles;
@@ -79,7 +79,7 @@ fn size(invocation: Invocation) {
     quads[4u * tile + 1u] = parts_here;
     let range = 2u * (FACES * grid.cells + tile);
     quads[4u * tile + 3u] = select(depth_scale(~masks[range + 1u], masks[range]), 0u, parts_here == 0u);
-    if (parts_here > MOST_PARTS) {
+    if (parts_here > MAX_PARTS) {
         words[MISPLACED] = parts_here;
     }
 #ifdef SLICES
@@ -172,12 +172,12 @@ fn make_leaf(place: u32) {
 }
 
 // Least and greatest of eight bytes.
-fn least_byte(bytes: vec2<u32>) -> u32 {
+fn min_byte(bytes: vec2<u32>) -> u32 {
     let least = min(unpack4xU8(bytes.x), unpack4xU8(bytes.y));
     return min(min(least.x, least.y), min(least.z, least.w));
 }
 
-fn greatest_byte(bytes: vec2<u32>) -> u32 {
+fn max_byte(bytes: vec2<u32>) -> u32 {
     let greatest = max(unpack4xU8(bytes.x), unpack4xU8(bytes.y));
     return max(max(greatest.x, greatest.y), max(greatest.z, greatest.w));
 }
@@ -188,12 +188,12 @@ fn with_node(boxes: Box, child: u32, node: u32) -> Box {
     let y = nodes[3u * node + 1u];
     let w = nodes[3u * node + 2u];
     return Box(
-        with_byte(boxes.low_x, child, least_byte(x.xy)),
-        with_byte(boxes.high_x, child, greatest_byte(x.zw)),
-        with_byte(boxes.low_y, child, least_byte(y.xy)),
-        with_byte(boxes.high_y, child, greatest_byte(y.zw)),
-        with_byte(boxes.low_w, child, least_byte(w.xy)),
-        with_byte(boxes.high_w, child, greatest_byte(w.zw)),
+        with_byte(boxes.low_x, child, min_byte(x.xy)),
+        with_byte(boxes.high_x, child, max_byte(x.zw)),
+        with_byte(boxes.low_y, child, min_byte(y.xy)),
+        with_byte(boxes.high_y, child, max_byte(y.zw)),
+        with_byte(boxes.low_w, child, min_byte(w.xy)),
+        with_byte(boxes.high_w, child, max_byte(w.zw)),
     );
 }
 

@@ -13,10 +13,10 @@
 // which leaves them on the edge.
 
 // A triangle's size: its corners' greatest coordinate, less the eye. Tiles hold it from so many sizes on; what is nearer is listed apart.
-const LEAST_DEPTH: f32 = 1.220703125e-4;
+const MIN_DEPTH: f32 = 1.220703125e-4;
 
 // Corners: a triangle's three, and one more for each of five planes, and one to spare.
-const MOST_CORNERS: u32 = 9u;
+const MAX_CORNERS: u32 = 9u;
 
 struct PolygonState {
     count: u32,
@@ -49,13 +49,13 @@ fn clip_polygon(count: u32, normal: vec3<f32>, least: f32) -> u32 {
     for (var corner = 0u; corner < count; corner++) {
         let here = polygon[corner];
         let distance = dot(normal, here) - least;
-        if (((distance >= 0.0) != (distance_before >= 0.0)) && (kept < MOST_CORNERS)) {
+        if (((distance >= 0.0) != (distance_before >= 0.0)) && (kept < MAX_CORNERS)) {
             // Both weights have one sign: a mean, however far the ends lie apart.
             let size = abs(distance) + abs(distance_before);
             clipped[kept] = before * (abs(distance) / size) + here * (abs(distance_before) / size);
             kept += 1u;
         }
-        if ((distance >= 0.0) && (kept < MOST_CORNERS)) {
+        if ((distance >= 0.0) && (kept < MAX_CORNERS)) {
             clipped[kept] = here;
             kept += 1u;
         }
@@ -77,15 +77,15 @@ fn no_polygon() -> PolygonState {
 fn is_outside(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, size: f32) -> bool {
     let right = min(min(a.xy - 1.25 * a.z, b.xy - 1.25 * b.z), c.xy - 1.25 * c.z);
     let left = min(min(-a.xy - 1.25 * a.z, -b.xy - 1.25 * b.z), -c.xy - 1.25 * c.z);
-    let greatest_z = max(max(a.z, b.z), c.z);
-    return greatest_z < size * LEAST_DEPTH || any(right > vec2<f32>(0.0)) || any(left > vec2<f32>(0.0)) || size == 0.0;
+    let max_z = max(max(a.z, b.z), c.z);
+    return max_z < size * MIN_DEPTH || any(right > vec2<f32>(0.0)) || any(left > vec2<f32>(0.0)) || size == 0.0;
 }
 
 // Whether no part of it need be clipped off before it is divided. Within twice the face's width places are small enough for what
 // divisions lose of them.
 fn is_whole(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, size: f32) -> bool {
     let wide = max(max(abs(a.xy) - 2.0 * a.z, abs(b.xy) - 2.0 * b.z), abs(c.xy) - 2.0 * c.z);
-    return min(min(a.z, b.z), c.z) >= size * LEAST_DEPTH && all(wide <= vec2<f32>(0.0));
+    return min(min(a.z, b.z), c.z) >= size * MIN_DEPTH && all(wide <= vec2<f32>(0.0));
 }
 
 // A point in (x, y, w), not nearer than a depth.
@@ -116,7 +116,7 @@ struct Whole {
 }
 
 fn make_whole(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, size: f32, tiles: f32) -> Whole {
-    let least = 0.5 * size * LEAST_DEPTH;
+    let least = 0.5 * size * MIN_DEPTH;
     let first = divided(a, least, tiles);
     let second = divided(b, least, tiles);
     let third = divided(c, least, tiles);
@@ -128,7 +128,7 @@ fn make_whole(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, size: f32, tiles: f32) -
 
 // Makes the polygon of a triangle whose corners stand as a face has them, less the eye, with this size; `tiles` along the face's edge.
 fn make_polygon(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, size: f32, tiles: f32) -> PolygonState {
-    let least = size * LEAST_DEPTH;
+    let least = size * MIN_DEPTH;
     polygon[0] = a;
     polygon[1] = b;
     polygon[2] = c;
@@ -267,8 +267,8 @@ fn end_clipping(clipping: Clipping, state: PolygonState, first: vec3<f32>) -> Pa
         let x_highs = select(vec4<f32>(-1e30), corner_x, inside);
         let y_lows = select(vec4<f32>(1e30), corner_y, inside);
         let y_highs = select(vec4<f32>(-1e30), corner_y, inside);
-        part.low = min(part.low, vec3<f32>(least_of(x_lows), least_of(y_lows), least_of(lows)));
-        part.high = max(part.high, vec3<f32>(-least_of(-x_highs), -least_of(-y_highs), -least_of(-highs)));
+        part.low = min(part.low, vec3<f32>(min_of(x_lows), min_of(y_lows), min_of(lows)));
+        part.high = max(part.high, vec3<f32>(-min_of(-x_highs), -min_of(-y_highs), -min_of(-highs)));
     }
     return part;
 }
@@ -326,7 +326,7 @@ fn polygon_in_tile(state: PolygonState, tile: vec2<f32>, margin: f32) -> Part {
     return end_clipping(clipping, state, polygon[0]);
 }
 
-fn least_of(values: vec4<f32>) -> f32 {
+fn min_of(values: vec4<f32>) -> f32 {
     return min(min(values.x, values.y), min(values.z, values.w));
 }
 

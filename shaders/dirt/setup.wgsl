@@ -8,7 +8,7 @@
 #import tracebench::dispatch::{Invocation, linear_workgroup}
 #import tracebench::view::{View, to_eye_space}
 #import tracebench::tile_clip::{TileRectangle, tile_rectangle}
-#import tracebench::dirt_drawn::{DrawnTriangle, DrawnTriangles}
+#import tracebench::dirt_drawn::{RasterizedTriangle, DrawnTriangles}
 
 struct SetupPass {
     // Of a view.
@@ -21,7 +21,7 @@ struct SetupPass {
     padding_b: u32,
     padding_c: u32,
     // Of each view: the first entry of its list, and the entries that there is room for.
-    rooms: array<vec4<u32>, 6>,
+    capacities: array<vec4<u32>, 6>,
 }
 
 @group(0) @binding(0) var<uniform> setup: SetupPass;
@@ -106,11 +106,11 @@ fn list(invocation: Invocation) {
         if ((word & bit) != 0u) {
             let in_block = countOneBits(word & (bit - 1u)) + select(0u, countOneBits(bits.x), upper);
             let in_view = blocks[place] - blocks[view * setup.block_count] + in_block;
-            let room = setup.rooms[view];
+            let room = setup.capacities[view];
             if (in_view < room.y) {
                 let rectangle =
                     rectangle_in(views[view], corner_of(triangle, 0u), corner_of(triangle, 1u), corner_of(triangle, 2u));
-                listed.entries[room.x + in_view] = DrawnTriangle(triangle, packed(rectangle.first), packed(rectangle.last));
+                listed.entries[room.x + in_view] = RasterizedTriangle(triangle, packed(rectangle.first), packed(rectangle.last));
             }
         }
     }

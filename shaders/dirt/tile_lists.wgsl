@@ -4,7 +4,8 @@
 
 #import tracebench::reads::{quad_1, pair_0, word_1}
 #import tracebench::dirt_packed_grid::{cell_number, lowest_bits, slices_between}
-#import tracebench::dirt_packed_ray::{grid, leg, open, is_done, test_references}
+#import tracebench::lanes::open
+#import tracebench::dirt_packed_ray::{grid, leg, is_done, test_references}
 
 #ifdef SLICES
 // The lists of those slices of a tile that the ray passes, in its order.

@@ -32,11 +32,11 @@ fn bytes(word: u32) -> vec4<f32> {
     return vec4<f32>(vec4<i32>(unpack4xU8(word)));
 }
 
-fn lesser(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+fn min_second_if_nan(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return select(b, a, (a < b));
 }
 
-fn greater(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+fn max_second_if_nan(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return select(b, a, (a > b));
 }
 
@@ -53,8 +53,8 @@ fn boxes_met(planes: TilePlanes, near: vec3<u32>, far: vec3<u32>) -> vec4<bool> 
     let leave_x = bytes(far.x) * planes.factor.x + planes.far.x;
     let leave_y = bytes(far.y) * planes.factor.y + planes.far.y;
     let leave_w = depths_at(planes, far.z) + planes.depth_slack;
-    let enter = greater(greater(enter_x, enter_y), greater(enter_w, vec4<f32>(planes.begin)));
-    let leave = lesser(lesser(leave_x, leave_y), lesser(leave_w, vec4<f32>(min(planes.end, limit))));
+    let enter = max_second_if_nan(max_second_if_nan(enter_x, enter_y), max_second_if_nan(enter_w, vec4<f32>(planes.begin)));
+    let leave = min_second_if_nan(min_second_if_nan(leave_x, leave_y), min_second_if_nan(leave_w, vec4<f32>(min(planes.end, limit))));
     return enter <= leave;
 }
 

@@ -1,9 +1,9 @@
 // DIRT's trace (section 4.2.1, Algorithm 1): a ray walks the tiles of the views that it passes, up and down the pyramid of
 // depth bounds, and tests the triangles in the lists of the buckets that it meets.
 
-#import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
+#import tracebench::types::{Ray, Hit, miss, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
 #import tracebench::depth_bounds::bucket_of
@@ -39,6 +39,9 @@ struct TraceSettings {
 @group(0) @binding(10) var<storage, read_write> touched: array<atomic<u32>>;
 #endif
 
+// Whether rays are searched for on their own near the views' centres.
+override CENTRES: bool;
+
 struct Best {
     t: f32,
     primitive: u32,
@@ -53,9 +56,6 @@ var<private> best: Best;
 var<private> found: bool;
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all; a ray that it cut off is given up like one that ran out of steps.
-var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: vec4<u32>;
 #endif
@@ -182,7 +182,6 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     }
 }
 
-#ifdef CENTRES
 // The part of the ray so near a view's centre that f32 does not tell its tile; none is far beyond everything.
 fn near_centre(view: View, eye_ray: EyeRay) -> Span {
     let radius = centre_radius(view);
@@ -229,7 +228,6 @@ fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
         }
     }
 }
-#endif
 
 // Searches for a ray, and gives the views that it was in, a bit each. `open` tells whether it was cut off.
 fn search_ray(asked: Ray) -> u32 {
@@ -244,23 +242,23 @@ fn search_ray(asked: Ray) -> u32 {
     work = vec4<u32>(0u);
 #endif
     var visited = 0u;
-#ifdef CENTRES
-    var each = 0u;
-    open += 1u;
-    loop {
-        if (each >= search.view_count) {
-            open -= 1u;
-            break;
+    if (CENTRES) {
+        var each = 0u;
+        open += 1u;
+        loop {
+            if (each >= search.view_count) {
+                open -= 1u;
+                break;
+            }
+            let view = views[each];
+            let eye_ray = eye_ray_of(view, ray);
+            let near = near_centre(view, eye_ray);
+            if (near.end >= ray.t_min && near.begin <= ray.t_max) {
+                search_to_depth(each, view, eye_ray, centre_radius(view));
+            }
+            each += 1u;
         }
-        let view = views[each];
-        let eye_ray = eye_ray_of(view, ray);
-        let near = near_centre(view, eye_ray);
-        if (near.end >= ray.t_min && near.begin <= ray.t_max) {
-            search_to_depth(each, view, eye_ray, centre_radius(view));
-        }
-        each += 1u;
     }
-#endif
     // By distance, a ray along the seam between two views must not be lost by both to rounding.
     let slack = select(1.0, SEAM_SLACK, (search.by_distance == 1u));
     // A view is never entered twice (a line meets a view in one piece), so there are at most as many rounds as views.
@@ -294,26 +292,26 @@ fn search_ray(asked: Ray) -> u32 {
 #endif
         let view = views[chosen];
         let eye_ray = eye_ray_of(view, ray);
-#ifdef CENTRES
-        let near = near_centre(view, eye_ray);
-        var part = 0u;
-        open += 1u;
-        loop {
-            if (part >= 2u) {
-                open -= 1u;
-                break;
+        if (CENTRES) {
+            let near = near_centre(view, eye_ray);
+            var part = 0u;
+            open += 1u;
+            loop {
+                if (part >= 2u) {
+                    open -= 1u;
+                    break;
+                }
+                let before = Span(span.begin, min(span.end, near.begin));
+                let after = Span(max(span.begin, near.end), span.end);
+                let side = Span(select(after.begin, before.begin, (part == 0u)), select(after.end, before.end, (part == 0u)));
+                if (side.begin <= side.end && !capped) {
+                    walk(chosen, view, eye_ray, side);
+                }
+                part += 1u;
             }
-            let before = Span(span.begin, min(span.end, near.begin));
-            let after = Span(max(span.begin, near.end), span.end);
-            let side = Span(select(after.begin, before.begin, (part == 0u)), select(after.end, before.end, (part == 0u)));
-            if (side.begin <= side.end && !capped) {
-                walk(chosen, view, eye_ray, side);
-            }
-            part += 1u;
+        } else {
+            walk(chosen, view, eye_ray, span);
         }
-#else
-        walk(chosen, view, eye_ray, span);
-#endif
         if (capped || is_final(-1e38)) {
             open -= 1u;
             break;
@@ -333,56 +331,24 @@ fn answer(visited: u32) -> Hit {
     return miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
 }
 
-fn answer_ray(index: u32) {
-    hits[index] = answer(search_ray(rays[index]));
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let visited = search_ray(rays[index]);
+    if (open > 0u && !is_alone) {
+        return;
+    }
+    hits[index] = answer(visited);
 #ifdef COUNTERS
     counts[index] = work;
 #endif
 }
 
-// A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count) {
-        answer_ray(index);
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }
 
-// Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them,
-// are left unanswered.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    loop {
-        if (turns.ray >= turns.end) {
-            break;
-        }
-        let visited = search_ray(rays[turns.ray]);
-        if (open > 0u) {
-            break;
-        }
-        hits[turns.ray] = answer(visited);
-#ifdef COUNTERS
-        counts[turns.ray] = work;
-#endif
-        turns.ray += BLOCK_LANES;
-    }
-}
-
-// Whether a ray of the workgroup has no answer.
-var<workgroup> unanswered: atomic<u32>;
-
-// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
-// ones run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count && hits[index].status == 0u) {
-        atomicStore(&unanswered, 1u);
-    }
-    workgroupBarrier();
-    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
-        answer_ray(index);
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

@@ -1,10 +1,10 @@
 // Depth bounds by the bounding boxes of objects (section 3.3): looser than the geometry's own and quicker to draw where objects
-// have many triangles. With COMPUTE without the rasterizer.
+// have many triangles. In compute (`draw`) without the rasterizer.
 
 #import tracebench::dispatch::{Invocation, linear_invocation, linear_workgroup}
 #import tracebench::view::{View, to_eye_space}
 #import tracebench::depth_bounds::{near_code, far_code}
-#import tracebench::fragment_layout::{Storage, DrawnView, word_index}
+#import tracebench::fragment_layout::{Storage, RasterizedView, word_index}
 
 // Floats as numbers of the same order, above 0.
 fn ordered(value: f32) -> u32 {
@@ -16,13 +16,12 @@ fn unordered(code: u32) -> f32 {
     return bitcast<f32>(select(~code, code & 0x7fffffffu, ((code >> 31u) == 1u)));
 }
 
-#ifdef BOUND
 @group(0) @binding(0) var<storage, read> positions: array<f32>;
 @group(0) @binding(1) var<storage, read> indices: array<u32>;
 // The object of every triangle.
 @group(0) @binding(2) var<storage, read> objects: array<u32>;
 // Six of every object: greatest corner, complement of the least one, so that both grow from 0.
-@group(0) @binding(3) var<storage, read_write> boxes: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> bound_boxes: array<atomic<u32>>;
 
 const WORKGROUP_SIZE: u32 = 64u;
 
@@ -37,15 +36,16 @@ fn bound(invocation: Invocation) {
         let a = positions[indices[triangle * 3u] * 3u + axis];
         let b = positions[indices[triangle * 3u + 1u] * 3u + axis];
         let c = positions[indices[triangle * 3u + 2u] * 3u + axis];
-        atomicMax(&boxes[first + axis], ordered(max(a, max(b, c))));
-        atomicMax(&boxes[first + 3u + axis], ~ordered(min(a, min(b, c))));
+        atomicMax(&bound_boxes[first + axis], ordered(max(a, max(b, c))));
+        atomicMax(&bound_boxes[first + 3u + axis], ~ordered(min(a, min(b, c))));
     }
 }
-#else
+
+// Of the passes that draw boxes.
 @group(0) @binding(0) var<uniform> shape: Storage;
-@group(0) @binding(1) var<uniform> drawn: DrawnView;
+@group(0) @binding(3) var<uniform> drawn: RasterizedView;
 @group(0) @binding(2) var<storage, read> boxes: array<u32>;
-@group(0) @binding(3) var<storage, read_write> pixels: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> pixels: array<atomic<u32>>;
 
 // A box, grown by a pixel where it is farthest, and the rectangle of the image that it lies in, from -1 to 1.
 struct DrawnBox {
@@ -122,9 +122,6 @@ fn put_depths(centre: vec2<f32>, box_low: vec3<f32>, box_high: vec3<f32>) {
     }
 }
 
-#ifdef COMPUTE
-const WORKGROUP_SIZE: u32 = 64u;
-
 // Rows of a box that a workgroup draws: Mesa's software driver ends loops after 65,535 rounds.
 const BAND: u32 = 16u;
 
@@ -150,7 +147,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) low: vec3<f32>,
@@ -177,5 +174,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_depths(in.position.xy, in.low, in.high);
     return vec4<f32>(0.0);
 }
-#endif
-#endif

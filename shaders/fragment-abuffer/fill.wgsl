@@ -1,38 +1,31 @@
 // The geometry passes of the fragment A-buffer (section 3.3), by the rasterizer's own sample rule: the depth bounds of every
-// pixel; of the s-buffer the number of its fragments; the fragments themselves. With COMPUTE by the rule of tracebench::coverage. With
-// CLIPPED of triangles as they are clipped to pixels: fragments that are planes, or that all have which a triangle touches, or both.
+// pixel; of the s-buffer the number of its fragments; the fragments themselves. In compute (`draw`) by the rule of tracebench::coverage.
+// With CLIPPED of triangles as they are clipped to pixels: fragments that are planes, or that all have which a triangle touches, or both.
 
+#import tracebench::scene::load_position
 #import tracebench::view::{to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #ifdef CLIPPED
 #import tracebench::plane_depth::{facet, size_of}
 #import tracebench::tile_clip::{DepthRange, tile_margin, tile_frustum, polygon_range, tile_rectangle}
-#ifdef COMPUTE
-#import tracebench::tile_clip::tiles_frustum
-#else
-#import tracebench::tile_clip::rectangle_corner
-#endif
+#import tracebench::tile_clip::{tiles_frustum, rectangle_corner}
 #else
 #import tracebench::surface::unit_normal
 #endif
 #import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
-#import tracebench::fragment_layout::{Storage, DrawnView, word_index, BOUNDS_SLACK}
+#import tracebench::fragment_layout::{Storage, RasterizedView, word_index, BOUNDS_SLACK}
 #ifdef CLIPPED
 #ifdef STORE
 #import tracebench::tile_clip::{TileRectangle, include_edge}
 #import tracebench::fragment_layout::{OUTLINE_PARTS, WHOLE_OUTLINE, has_outline}
 #endif
 #endif
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
-#endif
 
 @group(0) @binding(0) var<uniform> shape: Storage;
-@group(0) @binding(1) var<uniform> drawn: DrawnView;
-@group(0) @binding(2) var<storage, read> positions: array<f32>;
-@group(0) @binding(3) var<storage, read> indices: array<u32>;
+@group(0) @binding(3) var<uniform> drawn: RasterizedView;
 @group(0) @binding(4) var<storage, read_write> pixels: array<atomic<u32>>;
 #ifndef BOUNDS
 // Fragments, lists that could not be ordered.
@@ -65,11 +58,6 @@ struct Facing {
 #endif
     material: u32,
 #endif
-}
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
 }
 
 // By its first of three corners.
@@ -141,13 +129,13 @@ const OUTLINE_MARGIN: f32 = 0.015625;
 const PRODUCT_LOSS: f32 = 4.76837158e-7;
 
 // The greater of both along x and along y, added.
-fn greatest_of_pair(a: vec2<f32>, b: vec2<f32>) -> f32 {
-    let greater = max(a, b);
-    return greater.x + greater.y;
+fn max_of_pair(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    let max_second_if_nan = max(a, b);
+    return max_second_if_nan.x + max_second_if_nan.y;
 }
 
-// The parts of a pixel that a triangle touches, as bits, and by rounding some more: those that lie on the inner sides of its three edges, in
-// front of the eye or behind it, and within the rectangle about it.
+// The parts of a pixel that a triangle touches, as bits, and by rounding some more: those that lie on the inner sides of its three edges,
+// in front of the eye or behind it, and within the rectangle about it.
 fn outline_in(pixel: vec2<u32>, facing: Facing) -> u32 {
     let view = drawn.view;
     let parts = vec2<f32>(OUTLINE_PARTS);
@@ -163,7 +151,7 @@ fn outline_in(pixel: vec2<u32>, facing: Facing) -> u32 {
         size_of(facing.a) * size_of(facing.b - facing.a),
     );
     // A side is a sum over three components, each off by its loss times how far the pixel lies across, upward, and along.
-    let reach = 1.0 + greatest_of_pair(abs(frustum.low), abs(frustum.high));
+    let reach = 1.0 + max_of_pair(abs(frustum.low), abs(frustum.high));
     var before = WHOLE_OUTLINE;
     var behind = WHOLE_OUTLINE;
     for (var edge = 0u; edge < 3u; edge++) {
@@ -302,7 +290,6 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 #ifdef CLIPPED
@@ -354,7 +341,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
 #ifdef CLIPPED
@@ -416,5 +403,4 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, facing);
     return vec4<f32>(0.0);
 }
-#endif
 #endif

@@ -5,13 +5,14 @@
 #import tracebench::view::View
 #import tracebench::pyramid::index_in_level
 
-// Every pixel has words, in an image each: pointers into the nodes and, for some storages, depth bounds (section 3.3). Of the s-buffer word 0 is
-// where its piece of the nodes begins and word 1 how many it has; of lists words 0 to B - 1 are heads and, where they are
-// linked both ways, B to 2B - 1 tails. Node: eye depth; of the s-buffer the index of its data, of lists the next link and,
-// where they are linked both ways, the previous one. A link is one more than a node's index, 0 the end.
+// Every pixel has words, in an image each: pointers into the nodes and, for some storages, depth bounds (section 3.3). Of the s-buffer word
+// 0 is where its piece of the nodes begins and word 1 how many it has; of lists words 0 to B - 1 are heads and, where they are linked both
+// ways, B to 2B - 1 tails. Node: eye depth; of the s-buffer the index of its data, of lists the next link and, where they are linked both
+// ways, the previous one. A link is one more than a node's index, 0 the end.
 //
-// A fragment that is a plane has its least depth within the pixel for its depth, and words from `plane_word` on: the greatest depth, how far
-// the plane lies from the eye along its normal, a mask of its outline where there is one, and the normal. Where nodes have the data, the data begins with that very normal.
+// A fragment that is a plane has its least depth within the pixel for its depth, and words from `plane_word` on: the greatest depth, how
+// far the plane lies from the eye along its normal, a mask of its outline where there is one, and the normal. Where nodes have the data,
+// the data begins with that very normal.
 struct Storage {
     // 1 where there are none.
     buckets: u32,
@@ -70,7 +71,7 @@ struct TracedView {
 }
 
 // Of a view that is drawn.
-struct DrawnView {
+struct RasterizedView {
     view: View,
     // The view's first pixel, and the pixels of a row.
     first_pixel: u32,

@@ -9,10 +9,8 @@
 #import tracebench::depth_bounds::depths_of
 #import tracebench::reads::word_2
 #import tracebench::fragment_layout::pyramid_index
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, open, work, word_of, misses}
-#ifdef PLANES
-#import tracebench::fragment_store::{looked_at, part, depth_slack}
-#endif
+#import tracebench::lanes::open
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, work, word_of, misses, looked_at, part, depth_slack, has_planes}
 #import tracebench::fragment_search::search_fragments
 
 const BY_STEPS: u32 = 0u;
@@ -23,14 +21,13 @@ const BY_HI_Z: u32 = 2u;
 fn reached(view: View, depth_begin: f32, depth_end: f32) -> vec2<f32> {
     let least = min(depth_begin, depth_end);
     let most = max(depth_begin, depth_end);
-#ifdef PLANES
-    // Planes have no thickness.
-    return vec2<f32>(least - depth_slack(least), most + depth_slack(most));
-#else
+    if (has_planes()) {
+        // They have no thickness.
+        return vec2<f32>(least - depth_slack(least), most + depth_slack(most));
+    }
     let width = 2.0 * max(view.tan_half_width / view.size.x, view.tan_half_height / view.size.y);
     let thickness = search.thickness + most * width * search.thickness_in_pixels;
     return vec2<f32>(least - max(thickness, 0.0), most - min(thickness, 0.0));
-#endif
 }
 
 // Looks at a pixel for the part of the ray between two parameters, whose eye depths these are.
@@ -38,10 +35,8 @@ fn look(pixel: vec2<u32>, within: Span, depth_begin: f32, depth_end: f32) {
     let view = views[number].view;
     let depths = reached(view, depth_begin, depth_end);
     let forwards = eye_ray.direction.z >= 0.0;
-#ifdef PLANES
     looked_at = pixel;
     part = within;
-#endif
 #ifdef COUNTERS
     work[0] += 1u;
     let tested = work[2];
@@ -50,8 +45,7 @@ fn look(pixel: vec2<u32>, within: Span, depth_begin: f32, depth_end: f32) {
 #ifdef COUNTERS
     work[1] += select(0u, 1u, (work[2] > tested));
 #endif
-#ifndef PLANES
-    if (found) {
+    if (!has_planes() && found) {
         // The parameter at the fragment's depth, within the part.
         var t = within.begin;
         if (eye_ray.direction.z != 0.0) {
@@ -59,7 +53,6 @@ fn look(pixel: vec2<u32>, within: Span, depth_begin: f32, depth_end: f32) {
         }
         found_t = clamp(clamp(t, within.begin, within.end), ray.t_min, ray.t_max);
     }
-#endif
 }
 
 // Where on its line of the image the search for a ray begins: away from where the ray itself does.

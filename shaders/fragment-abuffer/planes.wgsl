@@ -2,9 +2,9 @@
 
 // Fragments that are planes, each cut to its pixel and to the depths that its triangle has there: a ray meets one where it meets the
 // plane, if that is in the pixel and between these depths. What a pixel has of a triangle overlaps what its neighbours have by more than
-// rounding moves a hit, and the parts of a ray in the pixels that it crosses join at the very same numbers, so that it slips through nowhere.
+// rounding moves a hit, and the parts of a ray in the pixels that it crosses join at the very same numbers, so that it slips through
+// nowhere.
 
-#ifdef PLANES
 #import tracebench::fragment_store::{shape, views, ray, eye_ray, number, found, found_node, found_depth, found_t, looked_at, part, load_id, depth_slack}
 #import tracebench::fragment_layout::{OUTLINE_PARTS, has_outline}
 #import tracebench::view::pixel_position
@@ -78,4 +78,3 @@ fn meet(node: u32, least: f32) {
     found_depth = depth;
     found_t = t;
 }
-#endif

@@ -17,7 +17,7 @@
 
 // Nodes that an invocation orders alone. A Shell sort of eight such pieces, which is what a lane is to Mesa's software driver, stays
 // within its 65,535 rounds.
-const MOST_ALONE: u32 = 128u;
+const MAX_ALONE: u32 = 128u;
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
@@ -85,7 +85,7 @@ fn reorder(invocation: Invocation) {
         atomicStore(&long_pieces[1], 1u);
         atomicStore(&long_pieces[2], 1u);
     }
-    if (end > begin + MOST_ALONE) {
+    if (end > begin + MAX_ALONE) {
         leave_piece(index);
     } else if (end > begin + 1u) {
         sort_piece(begin, end - begin);

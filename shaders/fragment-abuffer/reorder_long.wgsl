@@ -17,7 +17,7 @@ const WORKGROUP_SIZE: u32 = 256u;
 
 // Nodes of a piece: 120 steps of 64 exchanges an invocation, of three rounds each, are within the 65,535 rounds of Mesa's software driver,
 // whose invocations are to meet at the same barriers.
-const MOST_NODES: u32 = 32768u;
+const MAX_NODES: u32 = 32768u;
 
 // Where the piece begins, and how many it has.
 var<workgroup> piece: vec2<u32>;
@@ -40,7 +40,7 @@ fn reorder_long(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invo
     let whole = workgroupUniformLoad(&piece);
     let begin = whole.x;
     let count = whole.y;
-    if (count > MOST_NODES) {
+    if (count > MAX_NODES) {
         if (local == 0u) {
             atomicAdd(&taken[1], 1u);
         }

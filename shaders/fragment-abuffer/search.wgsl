@@ -4,23 +4,17 @@
 // depths.
 
 #import tracebench::depth_bounds::bucket_share
-#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, work, load_id, test_depth, word_of, bounds_of, misses}
-#ifdef PLANES
-#import tracebench::fragment_store::depth_slack
+#import tracebench::lanes::open
+#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, work, load_id, test_depth, word_of, bounds_of, misses, depth_slack, take, has_pieces, has_planes}
 #import tracebench::fragment_planes::meet
-#else
-#import tracebench::fragment_store::take
-#endif
 
-#ifdef PLANES
 // Whether a fragment of this least depth, and all behind it in its list, lie beyond what the ray may still meet.
 fn is_beyond(depth: f32, most: f32, forwards: bool) -> bool {
     return depth > most || (forwards && found && depth > found_depth + depth_slack(found_depth));
 }
 
-#ifdef CONTIGUOUS
 // A pixel's piece of the s-buffer, in the order in which planes begin.
-fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+fn search_piece_of_planes(pixel: u32, least: f32, most: f32, forwards: bool) {
 #ifdef COUNTERS
     work[5] += 1u;
 #endif
@@ -45,9 +39,9 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
         node += 1u;
     }
 }
-#else
+
 // A list from its head, in the order in which planes begin.
-fn search_list(pixel: u32, bucket: u32, most: f32, forwards: bool) {
+fn search_list_of_planes(pixel: u32, bucket: u32, most: f32, forwards: bool) {
 #ifdef COUNTERS
     work[5] += 1u;
 #endif
@@ -71,7 +65,7 @@ fn search_list(pixel: u32, bucket: u32, most: f32, forwards: bool) {
 }
 
 // The buckets of a pixel up to the last that the ray's depths overlap: a plane is in the one in which it begins, and may reach into others.
-fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+fn search_lists_of_planes(pixel: u32, least: f32, most: f32, forwards: bool) {
     var last = shape.buckets - 1u;
     if (shape.bounds_word > 0u && (search.skip_bounds == 1u || (search.skip_buckets == 1u && last > 0u))) {
         let bounds = bounds_of(pixel);
@@ -90,13 +84,11 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
             open -= 1u;
             break;
         }
-        search_list(pixel, opened, most, forwards);
+        search_list_of_planes(pixel, opened, most, forwards);
         opened += 1u;
     }
 }
-#endif
-#else
-#ifdef CONTIGUOUS
+
 // The first node of a piece with at least this depth, its end if there is none.
 fn first_not_before(begin: u32, end: u32, depth: f32) -> u32 {
     var low = begin;
@@ -118,7 +110,7 @@ fn first_not_before(begin: u32, end: u32, depth: f32) -> u32 {
 }
 
 // A pixel's piece of the s-buffer: from the side that the ray comes from, by halving where it is long. Of equal depths the first.
-fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+fn search_piece(pixel: u32, least: f32, most: f32, forwards: bool) {
 #ifdef COUNTERS
     work[5] += 1u;
 #endif
@@ -174,7 +166,7 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
         step += 1u;
     }
 }
-#else
+
 // A list, from its head or, where it is linked both ways, from the end that the ray comes from. Of equal depths the first.
 fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
     let backwards = !forwards && shape.double == 1u;
@@ -221,7 +213,7 @@ fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
 
 // The buckets of a pixel that the ray's depths overlap (step b), in the order in which it meets them, up to the first with a
 // hit (step c).
-fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+fn search_lists(pixel: u32, least: f32, most: f32, forwards: bool) {
     var first = 0u;
     var last = shape.buckets - 1u;
     let by_bounds = search.skip_bounds == 1u;
@@ -262,5 +254,16 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
         }
     }
 }
-#endif
-#endif
+
+// The fragments of a pixel, as they are stored.
+fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+    if (has_planes() && has_pieces()) {
+        search_piece_of_planes(pixel, least, most, forwards);
+    } else if (has_planes()) {
+        search_lists_of_planes(pixel, least, most, forwards);
+    } else if (has_pieces()) {
+        search_piece(pixel, least, most, forwards);
+    } else {
+        search_lists(pixel, least, most, forwards);
+    }
+}

@@ -3,10 +3,7 @@
 // What a trace reads of the fragments that are stored, and the state of a lane's ray while it is traced.
 
 #import tracebench::types::Ray
-#import tracebench::image_walk::EyeRay
-#ifdef PLANES
-#import tracebench::image_walk::Span
-#endif
+#import tracebench::image_walk::{EyeRay, Span}
 #import tracebench::depth_bounds::depths_of
 #import tracebench::reads::{word_0, word_1}
 #ifdef SURFACES
@@ -38,13 +35,8 @@ struct MarchSettings {
     skip_buckets: u32,
     skip_lists: u32,
     rays_per_lane: u32,
-    // 1: of rays alone that have no answer yet.
-    unanswered_only: u32,
     // Words of bits a node.
     touched_words: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
 }
 
 @group(0) @binding(0) var<uniform> shape: Storage;
@@ -80,6 +72,18 @@ struct MarchSettings {
 #endif
 #endif
 
+// Whether fragments are pieces of the s-buffer, and whether they are planes. (naga_oil imports functions, no overrides.)
+override CONTIGUOUS: bool;
+override PLANES: bool;
+
+fn has_pieces() -> bool {
+    return CONTIGUOUS;
+}
+
+fn has_planes() -> bool {
+    return PLANES;
+}
+
 // The state of this lane's ray.
 var<private> ray: Ray;
 var<private> eye_ray: EyeRay;
@@ -88,17 +92,11 @@ var<private> found: bool;
 var<private> found_node: u32;
 var<private> found_depth: f32;
 var<private> found_t: f32;
-#ifdef PLANES
-// The pixel that is looked at, and the part of the ray that lies in it.
+// Of planes: the pixel that is looked at, and the part of the ray that lies in it.
 var<private> looked_at: vec2<u32>;
 var<private> part: Span;
-#endif
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all. A ray that it cut off is given up like one that ran out of steps or, where its lane has others, left without
-// an answer: a second dispatch, of a ray a lane, answers it.
-var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
 var<private> work: array<u32, 6>;
@@ -209,12 +207,10 @@ fn load_payload(index: u32) -> u32 {
 
 // Where what shading needs of a fragment is, among the data.
 fn data_of(node: u32) -> u32 {
-#ifdef CONTIGUOUS
     // In the s-buffer nodes are put into their order and data stays.
-    if (shape.data_offset == 0u) {
+    if (CONTIGUOUS && shape.data_offset == 0u) {
         return load_id(node * shape.node_words + 1u);
     }
-#endif
     return node;
 }
 #endif
@@ -229,13 +225,11 @@ fn test_depth(node: u32) -> f32 {
     return bitcast<f32>(load_id(node * shape.node_words));
 }
 
-#ifndef PLANES
 fn take(node: u32, depth: f32) {
     found = true;
     found_node = node;
     found_depth = depth;
 }
-#endif
 
 fn word_of(pixel: u32, word: u32) -> u32 {
     return load_pixel(word * views[number].pixel_count + pixel);
@@ -245,12 +239,10 @@ fn bounds_of(pixel: u32) -> vec2<f32> {
     return depths_of(vec2<u32>(word_of(pixel, shape.bounds_word), word_of(pixel, shape.bounds_word + 1u)));
 }
 
-#ifdef PLANES
 // By how much a depth on the ray may be off: of sums, by f32's precision at the terms.
 fn depth_slack(depth: f32) -> f32 {
     return BOUNDS_SLACK * max(abs(eye_ray.origin.z), depth);
 }
-#endif
 
 // Whether a ray with these depths passes outside of depth bounds (step a).
 fn misses(bounds: vec2<f32>, least: f32, most: f32) -> bool {

@@ -1,7 +1,7 @@
 #define_import_path tracebench::fragment_ties
 
-// Fragments of a list or piece whose depths are equal. Searches take the first of them: that is the one whose payload is least, so that hits do
-// not depend on the order in which fragments came.
+// Fragments of a list or piece whose depths are equal. Searches take the first of them: that is the one whose payload is least, so that
+// hits do not depend on the order in which fragments came.
 
 #import tracebench::list_order::{ids, open, depth_bits}
 #import tracebench::fragment_layout::Storage

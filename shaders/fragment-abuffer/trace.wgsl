@@ -1,12 +1,12 @@
 // The trace of the fragment A-buffer (section 3.4): a ray is marched over the images of the views that it passes; in each pixel
 // that it looks at, the fragments are searched for one within the depths that the ray has there.
 
-#import tracebench::dispatch::Invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, open, work, counted, data_of, load_payload}
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, work, counted, data_of, load_payload}
 #import tracebench::fragment_march::{BY_STEPS, march_steps, walk_pixels}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
@@ -30,8 +30,7 @@ const BEFORE_CAMERA: u32 = 0u;
 const IN_CAMERA: u32 = 1u;
 const AFTER_CAMERA: u32 = 2u;
 
-// Answers a ray; leaves it without an answer where the driver cut its search off and it is not the only one of its lane.
-fn answer(index: u32) {
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     // Nothing is left of the ray before.
     found = false;
     capped = false;
@@ -115,7 +114,7 @@ fn answer(index: u32) {
             break;
         }
     }
-    if (open > 0u && search.rays_per_lane > 1u) {
+    if (open > 0u && !is_alone) {
         return;
     }
     if (capped || open > 0u) {
@@ -152,11 +151,11 @@ fn answer(index: u32) {
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
-            answer(turns.ray);
-        }
-        turns.ray += BLOCK_LANES;
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_unanswered(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

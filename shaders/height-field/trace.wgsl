@@ -11,7 +11,7 @@
 #import tracebench::image_walk::{EyeRay, Span, eye_ray_of, span_in_view, image_direction}
 #import tracebench::image_line::{image_line, place_after, depth_on, t_on}
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{word_0, word_1, pair_0}
 #import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
 
@@ -33,7 +33,7 @@ struct HeightSettings {
 @group(0) @binding(1) var<uniform> settings: HeightSettings;
 #ifdef TEXTURES
 // As it was drawn; in a buffer it is the array of words 0.
-@group(0) @binding(2) var eye_depths: texture_2d<f32>;
+@group(0) @binding(2) var eye_depths: texture_2d_array<f32>;
 #endif
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
@@ -45,7 +45,7 @@ struct HeightSettings {
 #endif
 #ifdef SURFACES
 // The triangle seen at every pixel, and of every ray the one that it hit.
-@group(0) @binding(7) var primitives: texture_2d<u32>;
+@group(0) @binding(7) var primitives: texture_2d_array<u32>;
 @group(0) @binding(8) var<storage, read_write> seen: array<u32>;
 #endif
 // Its cells are the array of pairs 0, near and far, or of words 1, near alone.
@@ -53,7 +53,7 @@ struct HeightSettings {
 
 fn stored_depth(pixel: vec2<i32>) -> f32 {
 #ifdef TEXTURES
-    return textureLoad(eye_depths, pixel, 0).x;
+    return textureLoad(eye_depths, pixel, 0, 0).x;
 #else
     return bitcast<f32>(word_0(u32(pixel.y) * settings.row_words + u32(pixel.x)));
 #endif
@@ -167,18 +167,18 @@ fn search(ray: Ray) -> Answer {
     return Answer(nothing, work, vec2<i32>(0));
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, settings.ray_count, settings.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = search(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = search(rays[index]);
+    hits[index] = answer.hit;
 #ifdef COUNTERS
-        counts[turns.ray] = answer.work;
+    counts[index] = answer.work;
 #endif
 #ifdef SURFACES
-        seen[turns.ray] = textureLoad(primitives, answer.pixel, 0).x;
+    seen[index] = textureLoad(primitives, answer.pixel, 0, 0).x;
 #endif
-        turns.ray += BLOCK_LANES;
-    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
+    answer_rays(invocation, settings.ray_count, settings.rays_per_lane);
 }

@@ -1,15 +1,14 @@
 // The depth layers of a view (WKP15, section 3.1): the nearest depths of every pixel, by the rasterizer's own sample rule. Depths
 // are codes that grow towards the eye, 0 for none, so that atomic maxima keep the nearest. The same pipeline catches depths and names
-// the triangles that have them, so that both see the same depth to the bit. With COMPUTE by the rule of tracebench::coverage.
+// the triangles that have them, so that both see the same depth to the bit. In compute (`draw`) by the rule of tracebench::coverage.
 
+#import tracebench::scene::load_position
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #import tracebench::depth_bounds::near_code
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
-#endif
 
 struct LayerPass {
     view: View,
@@ -33,16 +32,9 @@ const CATCH: u32 = 0u;
 const PEEL: u32 = 1u;
 
 @group(0) @binding(0) var<uniform> drawn: LayerPass;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
 @group(0) @binding(3) var<storage, read_write> codes: array<atomic<u32>>;
 // The complement of the least triangle of every layer.
 @group(0) @binding(4) var<storage, read_write> names: array<atomic<u32>>;
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
-}
 
 // By its first of three corners.
 fn flat_of(first: u32) -> FlatTriangle {
@@ -110,7 +102,6 @@ fn put_fragment(centre: vec2<f32>, triangle: FlatTriangle, primitive: u32) {
     }
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -132,7 +123,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) plane: vec4<f32>,
@@ -159,4 +150,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, FlatTriangle(in.plane, in.depths), in.primitive);
     return vec4<f32>(0.0);
 }
-#endif

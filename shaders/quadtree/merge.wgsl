@@ -4,23 +4,22 @@
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::level_size
 #import tracebench::quadtree_forest::{Forest, node_index}
-#import tracebench::quadtree_node::NOTHING
-#import tracebench::quadtree_proxy::merged
-#ifdef JOINED
-#import tracebench::quadtree_node::{is_plane, plane_of, range_of, box_of, box_words, z_on}
+#import tracebench::quadtree_node::{NOTHING, is_plane, plane_of, range_of, box_of, box_words, z_on}
 #import tracebench::quadtree_patches::{SIDES, step_across, ends_at}
-#endif
+#import tracebench::quadtree_proxy::merged
 
 @group(0) @binding(0) var<uniform> forest: Forest;
 // The level to make, from 1 on.
 @group(0) @binding(1) var<uniform> made: vec4<u32>;
 @group(0) @binding(2) var<storage, read_write> nodes: array<vec2<u32>>;
 
+// Whether planes of pixels are joined.
+override JOINED: bool;
+
 const WORKGROUP_SIZE: u32 = 64u;
 
-#ifdef JOINED
 // The least z of what is joined in a pixel: there a plane may end at one beside it that goes farther than itself.
-fn least_joined(image: u32, pixel: vec2<u32>, words: vec2<u32>) -> f32 {
+fn min_joined(image: u32, pixel: vec2<u32>, words: vec2<u32>) -> f32 {
     let size = vec2<f32>(forest.size);
     let plane = plane_of(words, size);
     var least = range_of(plane, 0.5).x;
@@ -42,7 +41,6 @@ fn least_joined(image: u32, pixel: vec2<u32>, words: vec2<u32>) -> f32 {
     }
     return least;
 }
-#endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn merge(invocation: Invocation) {
@@ -65,22 +63,18 @@ fn merge(invocation: Invocation) {
             there |= 1u << child;
         }
     }
-#ifdef JOINED
     // What may end at a plane beside it stays a pixel: boxes above a plane of several would not know how far those beside them go.
-    var words = merged(forest, children, there, level - 1u, true);
-    if (level == 1u && !is_plane(words)) {
+    var words = merged(forest, children, there, level - 1u, JOINED);
+    if (JOINED && level == 1u && !is_plane(words)) {
         var box = box_of(words);
         for (var child = 0u; child < 4u; child++) {
             if (is_plane(children[child]) && plane_of(children[child], vec2<f32>(forest.size)).flagged) {
                 let pixel = 2u * cell + vec2<u32>(child & 1u, child >> 1u);
-                box.least = min(box.least, least_joined(image, pixel, children[child]));
+                box.least = min(box.least, min_joined(image, pixel, children[child]));
             }
         }
         // Of a box without anything that is shown nothing changed.
         words = box_words(box);
     }
-#else
-    let words = merged(forest, children, there, level - 1u, false);
-#endif
     nodes[node_index(forest, image, level, cell)] = words;
 }

@@ -8,15 +8,11 @@
 #import tracebench::pyramid::index_in_level
 #import tracebench::reads::pair_0
 #import tracebench::quadtree_forest::Forest
-#ifdef JOINED
 #import tracebench::quadtree_node::NOTHING
-#endif
 
 struct QuadtreeSettings {
     ray_count: u32,
     rays_per_lane: u32,
-    // 1: of rays alone that have no answer yet.
-    unanswered_only: u32,
     view_count: u32,
     // 1: views are faces, connected by their sides.
     has_faces: u32,
@@ -36,7 +32,7 @@ struct QuadtreeSettings {
     inverse_sigma: f32,
     // Words of bits a node.
     touched_words: u32,
-    padding: u32,
+    padding: vec2<u32>,
 }
 
 struct TreeView {
@@ -54,22 +50,21 @@ struct TreeView {
 @group(0) @binding(6) var<storage, read_write> counted: array<atomic<u32>>;
 #endif
 
+// Whether planes of pixels are joined. (naga_oil imports functions, no overrides.)
+override JOINED: bool;
+
+fn is_joined() -> bool {
+    return JOINED;
+}
+
 // The state of this lane's ray.
 var<private> ray: Ray;
 var<private> eye_ray: EyeRay;
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves: Mesa's software driver ends the loops of eight lanes together after 65,535
-// rounds in all. A ray that it cut off is given up like one that ran out of steps or, where its lane has others, left without an answer: a
-// second dispatch, of a ray a lane, answers it.
-var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
-#ifdef JOINED
 var<private> work: array<u32, 8>;
-#else
-var<private> work: array<u32, 7>;
-#endif
 #endif
 
 // A node that is visited.
@@ -84,7 +79,6 @@ fn visit(image: u32, level: u32, cell: vec2<u32>) -> vec2<u32> {
     return pair_0(index);
 }
 
-#ifdef JOINED
 // The node of a pixel beside one that is visited; NOTHING outside of the image.
 fn neighbour_node(image: u32, pixel: vec2<i32>) -> vec2<u32> {
     if (any(pixel < vec2<i32>(0)) || any(pixel >= vec2<i32>(forest.size))) {
@@ -97,7 +91,6 @@ fn neighbour_node(image: u32, pixel: vec2<i32>) -> vec2<u32> {
 #endif
     return pair_0(index);
 }
-#endif
 
 // A pixel's own node, looked up for its depth.
 fn pixel_node(image: u32, pixel: vec2<u32>) -> vec2<u32> {

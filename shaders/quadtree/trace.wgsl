@@ -1,10 +1,10 @@
 // The trace over quad-trees (WKP15, section 4): through a view's layers, each asked where the one before leaves something open, and
 // from view to view where faces of a cube are connected (section 5.4).
 
-#import tracebench::dispatch::Invocation
-#import tracebench::types::{Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_OCCLUDED, STATUS_INPAINTED, SURFACE_NO_HIT, SURFACE_WRITTEN}
+#import tracebench::dispatch::{Invocation, linear_invocation}
+#import tracebench::types::{Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_BEHIND_LAST_LAYER, STATUS_INPAINTED, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::types::Ray
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::reads::{quad_0, quad_1}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
@@ -13,7 +13,7 @@
 #import tracebench::quadtree_forest::depth_of_z
 #import tracebench::quadtree_node::{Plane, is_empty, plane_of}
 #import tracebench::quadtree_track::{NOWHERE, track_of}
-#import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, open, work, counted, pixel_node}
+#import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, work, counted, pixel_node, is_joined}
 #import tracebench::quadtree_walk::{found, track, walk_tree}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
@@ -28,11 +28,7 @@
 
 // Of every ray: nodes visited, planes tested, boxes tested, layers asked, views entered, whether a second layer was asked, whether
 // a layer behind the first was hit; and where planes are joined, neighbours of pixels that were looked at.
-#ifdef JOINED
 const COUNTS: u32 = 8u;
-#else
-const COUNTS: u32 = 7u;
-#endif
 
 // The codes of `next_layer`.
 const ASK_BEHIND_VOLUMES: u32 = 0u;
@@ -140,8 +136,7 @@ fn sample_plane(number: u32) -> f32 {
 }
 #endif
 
-// Answers a ray; leaves it without an answer where the driver cut its search off and it is not the only one of its lane.
-fn answer(index: u32) {
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     // Nothing is left of the ray before.
     capped = false;
     steps = 0u;
@@ -220,7 +215,7 @@ fn answer(index: u32) {
         weight = sample_plane(number);
     }
 #endif
-    if (open > 0u && search.rays_per_lane > 1u) {
+    if (open > 0u && !is_alone) {
         return;
     }
     let is_found = hit && !capped && open == 0u;
@@ -231,7 +226,7 @@ fn answer(index: u32) {
     } else if (hit) {
         hits[index] = Hit(t, NO_PRIMITIVE, 0.0, 0.0, select(STATUS_HIT, STATUS_INPAINTED, best_inpainted));
     } else if (occluded) {
-        hits[index] = miss(STATUS_OCCLUDED);
+        hits[index] = miss(STATUS_BEHIND_LAST_LAYER);
     } else {
         hits[index] = miss(select(STATUS_LEFT_VIEWS, STATUS_MISS, (entered > 0u && seen_whole)));
     }
@@ -264,19 +259,20 @@ fn answer(index: u32) {
 #ifdef COUNTERS
     work[4] = entered;
     work[6] = select(0u, 1u, (is_found && best_layer > 0u));
-    for (var count = 0u; count < COUNTS; count++) {
-        atomicStore(&counted[2u * search.touched_words + index * COUNTS + count], work[count]);
+    let counts = select(COUNTS - 1u, COUNTS, is_joined());
+    for (var count = 0u; count < counts; count++) {
+        atomicStore(&counted[2u * search.touched_words + index * counts + count], work[count]);
     }
 #endif
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
-            answer(turns.ray);
-        }
-        turns.ray += BLOCK_LANES;
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_unanswered(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

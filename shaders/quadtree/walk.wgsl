@@ -8,11 +8,12 @@
 #import tracebench::quadtree_node::{Plane, is_plane, is_empty, plane_of, box_of, z_on}
 #import tracebench::quadtree_proxy::is_dilated
 #import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, cell_at, child_at, successor}
-#import tracebench::quadtree_store::{forest, search, capped, steps, open, work, visit, pixel_node}
-#ifdef JOINED
+#import tracebench::lanes::open
+#import tracebench::quadtree_store::{forest, search, capped, steps, work, visit, pixel_node, neighbour_node, is_joined}
 #import tracebench::quadtree_patches::{SIDES, Patch, Passage, pass_patch, step_across, ends_at}
-#import tracebench::quadtree_store::neighbour_node
-#endif
+
+// Whether nodes on the way down are kept on a stack.
+override STACK: bool;
 
 // How far before an occlusion volume an inpainted hit lies, pixels: on the pixel before it ("slightly dilated", section 4.1).
 const INPAINT_PIXELS: f32 = 0.5;
@@ -48,8 +49,8 @@ var<private> track: Track;
 // Places between which the tree is walked.
 var<private> begin: f32;
 var<private> end: f32;
-// Where the ray comes into the image, of which views are a little wider. A walk begins there, and ends where the ray leaves the image: else it
-// would hang on the size of cells which of those along a side are met before the ray is in them, or behind.
+// Where the ray comes into the image, of which views are a little wider. A walk begins there, and ends where the ray leaves the image: else
+// it would hang on the size of cells which of those along a side are met before the ray is in them, or behind.
 var<private> inside_from: f32;
 // Where the ray left the node before, if it was before the plane there by no more than it must be behind one to lie in its
 // occlusion volume; NOT_BEFORE for all else.
@@ -152,7 +153,6 @@ fn test_plane(image: u32, words: vec2<u32>, bounds: Bounds) {
     }
 }
 
-#ifdef JOINED
 // What a passage is with one plane more.
 fn pass_by(passage: Passage, passed: Patch, entry: f32, exit: f32) -> Passage {
     let at_entry = behind_by(passed.plane, passed.middle, entry);
@@ -207,7 +207,6 @@ fn test_joined(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
         take_patch(passage.leaves, passage.left);
     }
 }
-#endif
 
 // Where on its way through a node the ray must be looked at more closely; NOWHERE where it meets nothing in a box.
 fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
@@ -266,10 +265,8 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
     var place = inside_from;
     var level = forest.top;
     var cell = cell_at(track, place, level, last >> vec2<u32>(level));
-#ifdef STACK
-    // The cells of all levels on the way down to where the walk is.
+    // The cells of all levels on the way down to where the walk is, if they are kept.
     var path = array<vec2<i32>, 16>();
-#endif
     open += 1u;
     loop {
         if (steps >= search.max_steps) {
@@ -278,9 +275,9 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
             break;
         }
         steps += 1u;
-#ifdef STACK
-        path[level] = cell;
-#endif
+        if (STACK) {
+            path[level] = cell;
+        }
         let bounds = bounds_of(cell, level);
         let leaves = leaves_at(track, bounds, place);
         let exit = min(min(leaves.x, leaves.y), end);
@@ -292,16 +289,12 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
 #ifdef COUNTERS
                 work[1] += 1u;
 #endif
-#ifdef JOINED
                 // Above pixels no plane is flagged.
-                if (plane_of(words, vec2<f32>(forest.size)).flagged) {
+                if (is_joined() && plane_of(words, vec2<f32>(forest.size)).flagged) {
                     test_joined(image, words, cell, bounds);
                 } else {
                     test_plane(image, words, bounds);
                 }
-#else
-                test_plane(image, words, bounds);
-#endif
             } else {
 #ifdef COUNTERS
                 work[2] += 1u;
@@ -332,23 +325,23 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
             break;
         }
         place = exit;
-#ifdef STACK
-        // Nodes are taken from the stack up to the first that holds the successor.
-        open += 1u;
-        loop {
-            let above = min(level + 1u, forest.top);
-            if (level >= forest.top || all(path[above] == next >> vec2<u32>(1u))) {
-                open -= 1u;
-                break;
+        if (STACK) {
+            // Nodes are taken from the stack up to the first that holds the successor.
+            open += 1u;
+            loop {
+                let above = min(level + 1u, forest.top);
+                if (level >= forest.top || all(path[above] == next >> vec2<u32>(1u))) {
+                    open -= 1u;
+                    break;
+                }
+                next = next >> vec2<u32>(1u);
+                level += 1u;
             }
-            next = next >> vec2<u32>(1u);
-            level += 1u;
+        } else {
+            let up = min(levels_apart(vec2<u32>(cell), vec2<u32>(next)), forest.top - level);
+            next = next >> vec2<u32>(up);
+            level += up;
         }
-#else
-        let up = min(levels_apart(vec2<u32>(cell), vec2<u32>(next)), forest.top - level);
-        next = next >> vec2<u32>(up);
-        level += up;
-#endif
         cell = next;
     }
 }

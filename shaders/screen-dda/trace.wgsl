@@ -11,7 +11,7 @@
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::image_line::between
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{word_0, pair_0}
 #import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
 
@@ -41,11 +41,7 @@ struct Settings {
 @group(0) @binding(1) var<uniform> settings: Settings;
 #ifdef TEXTURES
 // As they were drawn; in a buffer they are the array of words 0.
-#ifdef DEEP
 @group(0) @binding(2) var eye_depths: texture_2d_array<f32>;
-#else
-@group(0) @binding(2) var eye_depths: texture_2d<f32>;
-#endif
 #endif
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
@@ -57,11 +53,7 @@ struct Settings {
 #endif
 #ifdef SURFACES
 // The triangle seen at every pixel, and of every ray the one that it hit.
-#ifdef DEEP
 @group(0) @binding(7) var primitives: texture_2d_array<u32>;
-#else
-@group(0) @binding(7) var primitives: texture_2d<u32>;
-#endif
 @group(0) @binding(8) var<storage, read_write> seen: array<u32>;
 #endif
 #ifdef HI_Z
@@ -74,32 +66,25 @@ const DEPTH_SLACK: f32 = 4e-6;
 const PLACE_SLACK: f32 = 2e-6;
 #endif
 
+// Whether there are several images.
+override DEEP: bool;
+
 fn stored_depth(image: u32, pixel: vec2<i32>) -> f32 {
 #ifdef TEXTURES
-#ifdef DEEP
     return textureLoad(eye_depths, pixel, i32(image), 0).x;
 #else
-    return textureLoad(eye_depths, pixel, 0).x;
-#endif
-#else
-#ifdef DEEP
     return bitcast<f32>(word_0(image * settings.image_words + u32(pixel.y) * settings.row_words + u32(pixel.x)));
-#else
-    return bitcast<f32>(word_0(u32(pixel.y) * settings.row_words + u32(pixel.x)));
-#endif
 #endif
 }
 
 // How deep what is stored at a depth of a layer is taken to reach.
 fn end_of(layer: u32, pixel: vec2<i32>, stored: f32) -> f32 {
-#ifdef DEEP
-    if (settings.backs == 1u) {
+    if (DEEP && settings.backs == 1u) {
         let back = stored_depth(settings.layers + layer, pixel);
         if (back < NO_SURFACE) {
             return back;
         }
     }
-#endif
     return stored + settings.thickness;
 }
 
@@ -207,11 +192,9 @@ fn compare_to_cell(level: u32, cell: vec2<u32>, nearest: f32, farthest: f32) -> 
     loop {
         let bounds = bitcast<vec2<f32>>(pair_0(depth_cell(pyramid, layer, level, cell)));
         var end = bounds.y + settings.thickness;
-#ifdef DEEP
-        if (settings.backs == 1u) {
+        if (DEEP && settings.backs == 1u) {
             end = max(end, bitcast<f32>(pair_0(depth_cell(pyramid, settings.layers + layer, level, cell)).y));
         }
-#endif
         if (!(farthest < bounds.x)) {
             if (!(nearest > end)) {
                 return MEETS;
@@ -219,13 +202,9 @@ fn compare_to_cell(level: u32, cell: vec2<u32>, nearest: f32, farthest: f32) -> 
             found = SOME_BEHIND;
         }
         layer += 1u;
-#ifdef DEEP
-        if (layer >= settings.layers) {
+        if (!DEEP || layer >= settings.layers) {
             break;
         }
-#else
-        break;
-#endif
     }
     return found;
 }
@@ -326,11 +305,10 @@ fn march(ray: Ray) -> Answer {
         let nearest = min(1.0 / k_low, 1.0 / k_high);
         let farthest = max(1.0 / k_low, 1.0 / k_high);
         var layer = 0u;
-#ifdef DEEP
-        // The layer that the ray meets first: the nearest, or from behind the farthest.
-        for (var each = 0u; each < settings.layers; each++) {
-            layer = select(each, settings.layers - 1u - each, (direction.z < 0.0));
-#endif
+        var each = 0u;
+        loop {
+            // The layer that the ray meets first: the nearest, or from behind the farthest.
+            layer = select(each, settings.layers - 1u - each, DEEP && direction.z < 0.0);
             let stored = stored_depth(layer, pixel);
             let reaches = end_of(layer, pixel, stored);
             if (farthest >= stored && nearest <= reaches) {
@@ -345,9 +323,11 @@ fn march(ray: Ray) -> Answer {
                 return Answer(Hit(t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT), work, pixel, layer);
             }
             behind_a_surface = behind_a_surface || (nearest > reaches);
-#ifdef DEEP
+            each += 1u;
+            if (!DEEP || each >= settings.layers) {
+                break;
+            }
         }
-#endif
         low = high;
         s = place_of(first, step, sample);
 #ifdef HI_Z
@@ -361,28 +341,23 @@ fn march(ray: Ray) -> Answer {
     return no_hit(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole), work);
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    var turns =
-        turns_of(invocation, 0u, settings.ray_count, settings.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = march(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = march(rays[index]);
+    hits[index] = answer.hit;
 #ifdef COUNTERS
 #ifdef HI_Z
-        counts[2u * turns.ray] = answer.work.x;
-        counts[2u * turns.ray + 1u] = answer.work.y;
+    counts[2u * index] = answer.work.x;
+    counts[2u * index + 1u] = answer.work.y;
 #else
-        counts[turns.ray] = answer.work.x;
+    counts[index] = answer.work.x;
 #endif
 #endif
 #ifdef SURFACES
-#ifdef DEEP
-        seen[turns.ray] = textureLoad(primitives, answer.pixel, i32(answer.layer), 0).x;
-#else
-        seen[turns.ray] = textureLoad(primitives, answer.pixel, 0).x;
+    seen[index] = textureLoad(primitives, answer.pixel, i32(answer.layer), 0).x;
 #endif
-#endif
-        turns.ray += BLOCK_LANES;
-    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
+    answer_rays(invocation, settings.ray_count, settings.rays_per_lane);
 }

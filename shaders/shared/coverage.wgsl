@@ -34,7 +34,7 @@ const CENTRE: i32 = 128;
 const GUARD: f32 = 3.0;
 
 // Corners of a triangle that is cut by six planes.
-const MOST_CORNERS: u32 = 9u;
+const MAX_CORNERS: u32 = 9u;
 
 // A crossing that is computed in f32 is off by less than a 16th of a pixel in images of 32,768 pixels, whose triangles are 2^25 steps of
 // the grid wide: twice as close to a centre it is decided in integers.
@@ -72,8 +72,8 @@ fn inside_by(plane: u32, corner: vec3<f32>, near: f32, far: f32) -> f32 {
     }
 }
 
-// Where an edge crosses a plane. What rounding takes off the weights moves the point along its edge, where it does no harm; at near and far w is
-// what it is there, so that it stays positive however far away the outer end is.
+// Where an edge crosses a plane. What rounding takes off the weights moves the point along its edge, where it does no harm; at near and far
+// w is what it is there, so that it stays positive however far away the outer end is.
 fn crossing(plane: u32, inner: vec3<f32>, outer: vec3<f32>, by: vec2<f32>, near: f32, far: f32) -> vec3<f32> {
     let whole = by.x - by.y;
     let at = inner * (-by.y / whole) + outer * (by.x / whole);
@@ -94,11 +94,11 @@ fn cut_by(plane: u32, near: f32, far: f32) {
         let here = cut[index];
         let there = cut[select(index + 1u, 0u, (index + 1u == cut_corners))];
         let by = vec2<f32>(inside_by(plane, here, near, far), inside_by(plane, there, near, far));
-        if (by.x >= 0.0 && count < MOST_CORNERS) {
+        if (by.x >= 0.0 && count < MAX_CORNERS) {
             kept[count] = here;
             count += 1u;
         }
-        if ((by.x >= 0.0) != (by.y >= 0.0) && count < MOST_CORNERS) {
+        if ((by.x >= 0.0) != (by.y >= 0.0) && count < MAX_CORNERS) {
             if (by.x >= 0.0) {
                 kept[count] = crossing(plane, here, there, by, near, far);
             } else {

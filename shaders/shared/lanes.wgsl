@@ -19,8 +19,8 @@ struct Block {
 }
 
 // The block of a lane where lanes answer `rays_per_lane` of the `ray_count` rays from `first_ray` on. With several rays a lane those of a
-// workgroup lie far apart: a driver may give each of its threads workgroups in a row, and parts of an image differ in what they cost. With one,
-// neighbours stay neighbours.
+// workgroup lie far apart: a driver may give each of its threads workgroups in a row, and parts of an image differ in what they cost. With
+// one, neighbours stay neighbours.
 fn block_of(invocation: Invocation, first_ray: u32, ray_count: u32, rays_per_lane: u32) -> Block {
     let group = linear_workgroup(invocation);
     let place = invocation.local / BLOCK_LANES;
@@ -44,13 +44,48 @@ fn turns_of(invocation: Invocation, first_ray: u32, ray_count: u32, rays_per_lan
     return Turns(block.first + invocation.local % BLOCK_LANES, block.end);
 }
 
+// Loops of a lane that were begun and not ended by themselves. Drivers may cut loops off: Mesa's software driver ends those of eight lanes
+// together after 65,535 rounds in all. A lane leaves a ray that was cut off without an answer, and those behind it; `trace_unanswered`
+// answers them, a ray a lane. A ray that is alone in its lane is given up like one that ran out of steps. Searches whose rays take few
+// rounds count no loops: they get as few rays a lane as no driver cuts off (`rays_within_rounds` of tracers/kit/src/lanes.rs).
+var<private> open: u32;
+
+// Whether a ray of the workgroup has no answer.
+var<workgroup> unanswered: atomic<u32>;
+
+virtual fn answer_ray(index: u32, is_alone: bool) {
+    // What a search has of its own. A ray that was cut off and is not alone in its lane is left without an answer. (naga_oil joins
+    // `virtual` to the line before, which must not be a comment.)
+}
+
+// The rays of a lane, one after the other.
+fn answer_rays(invocation: Invocation, ray_count: u32, rays_per_lane: u32) {
+    var turns = turns_of(invocation, 0u, ray_count, rays_per_lane);
+    while (turns.ray < turns.end) {
+        answer_ray(turns.ray, rays_per_lane == 1u);
+        turns.ray += BLOCK_LANES;
+    }
+}
+
+// A lane of `trace_unanswered`. In a workgroup that has a ray without an answer all are answered, so that the same ones run together, and
+// are cut off, as where a lane has one ray from the first.
+fn answer_again(index: u32, ray_count: u32, is_unanswered: bool) {
+    if (is_unanswered) {
+        atomicStore(&unanswered, 1u);
+    }
+    workgroupBarrier();
+    if (atomicLoad(&unanswered) == 1u && index < ray_count) {
+        answer_ray(index, true);
+    }
+}
+
 // Rays of the workgroup's blocks that lanes have taken.
 var<workgroup> taken: array<atomic<u32>, BLOCKS>;
 
 // The next ray of a lane's block that no lane has taken; there is none where it is not before the block's end. For searches in rounds, in
-// which a lane begins its next ray while others go on: if rays were dealt out beforehand, as turns are, lanes would wait for the one with the
-// longest searches. With more lanes a block the software driver would give all rays of a workgroup to its first eight lanes, whose rounds it
-// counts (packed_ray.wgsl).
+// which a lane begins its next ray while others go on: if rays were dealt out beforehand, as turns are, lanes would wait for the one with
+// the longest searches. With more lanes a block the software driver would give all rays of a workgroup to its first eight lanes, whose
+// rounds it counts (packed_ray.wgsl).
 fn take_ray(block: Block, local: u32) -> u32 {
     return block.first + atomicAdd(&taken[local / BLOCK_LANES], 1u);
 }

@@ -13,7 +13,7 @@ var<private> node_words: u32;
 var<private> open: u32;
 
 // Nodes of a list that are ordered by insertion; longer lists are merged, which is less work.
-const MOST_INSERTED: u32 = 16u;
+const MAX_INSERTED: u32 = 16u;
 
 // Depths are positive, so that their bits are in their order.
 fn depth_bits(node: u32) -> u32 {
@@ -49,7 +49,7 @@ fn insert_first(first: u32) -> Sorted {
     var count = 1u;
     open += 1u;
     loop {
-        if (link == 0u || count == MOST_INSERTED) {
+        if (link == 0u || count == MAX_INSERTED) {
             open -= 1u;
             break;
         }

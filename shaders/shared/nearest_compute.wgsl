@@ -2,6 +2,7 @@
 // grow towards the eye so that atomic maxima keep the nearest; and then, by the same instructions so that both see the same depth to
 // the bit, the triangles that have them.
 
+#import tracebench::scene::load_position
 #import tracebench::view::View
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth, tested_depth}
 #import tracebench::depth_bounds::near_code
@@ -21,8 +22,6 @@ struct NearestImage {
 }
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
 @group(0) @binding(5) var<uniform> image: NearestImage;
 @group(0) @binding(6) var<storage, read_write> codes: array<atomic<u32>>;
 #ifdef PRIMITIVES
@@ -31,11 +30,6 @@ struct NearestImage {
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let at = indices[corner] * 3u;
-    return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-}
 
 fn put_fragment(at: vec2<i32>, triangle: FlatTriangle, primitive: u32) {
     let depth = plane_depth(view, triangle, vec2<f32>(at) + 0.5);

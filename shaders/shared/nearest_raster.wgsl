@@ -1,6 +1,7 @@
 // Rasterizes what is nearest at every pixel's centre: its linear eye depth, or the number of its triangle. With BEHIND that is the
 // nearest behind a layer that was drawn before.
 
+#import tracebench::scene::load_position
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth, tested_depth}
 #ifdef BEHIND
@@ -8,8 +9,6 @@
 #endif
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -18,11 +17,6 @@ struct Corner {
 #ifdef PRIMITIVES
     @location(2) @interpolate(flat) primitive: u32,
 #endif
-}
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let at = indices[corner] * 3u;
-    return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
 }
 
 @vertex

@@ -1,6 +1,7 @@
 // Which triangles of an image that is rasterized in compute are seen, and the blocks of those that are large. A prefix sum over the blocks
 // follows, which tells where each triangle's begin, and then the number of workgroups is known that passes take.
 
+#import tracebench::scene::load_position
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::raster_work::{RasterPass, BLOCK_EDGE, NOT_SEEN}
 #import tracebench::coverage::{outline_box, first_centre}
@@ -27,9 +28,7 @@ struct RasterAxis {
 #else
 @group(0) @binding(0) var<uniform> view: View;
 #endif
-@group(0) @binding(1) var<uniform> setup: RasterPass;
-@group(0) @binding(2) var<storage, read> positions: array<f32>;
-@group(0) @binding(3) var<storage, read> indices: array<u32>;
+@group(0) @binding(3) var<uniform> setup: RasterPass;
 // As `work` in raster_work.wgsl.
 @group(0) @binding(4) var<storage, read_write> found: array<u32>;
 // Workgroups of a pass, along three dimensions.
@@ -38,7 +37,7 @@ struct RasterAxis {
 const WORKGROUP_SIZE: u32 = 64u;
 
 // Most workgroups along one dimension.
-const MOST_WORKGROUPS: u32 = 65535u;
+const MAX_WORKGROUPS: u32 = 65535u;
 
 // By how much rectangles are grown: another shader may round corners to neighbouring points of the grid.
 const GROWN: i32 = 2;
@@ -47,11 +46,6 @@ const GROWN: i32 = 2;
 // By how much what triangles touch is grown in orthographic images, pixels: at least by what passes take to be touched.
 const TOUCHED_MARGIN: f32 = 0.0625;
 #endif
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
-}
 
 // Pixels, first and one behind the last, that a triangle may cover or touch.
 fn rectangle_of(triangle: u32) -> vec4<i32> {
@@ -122,7 +116,7 @@ fn find(invocation: Invocation) {
 @compute @workgroup_size(1)
 fn deal() {
     let all = setup.lane_groups + found[setup.triangle_count];
-    let down = max((all + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS, 1u);
+    let down = max((all + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS, 1u);
     groups[0] = (all + down - 1u) / down;
     groups[1] = down;
     groups[2] = 1u;

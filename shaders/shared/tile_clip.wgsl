@@ -139,8 +139,8 @@ fn polygon_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
     let side_a = cross(b, edges.bc);
     let side_b = cross(c, edges.ca);
     let side_c = cross(a, edges.ab);
-    let least_z = min(min(a.z, b.z), c.z);
-    let greatest_z = max(max(a.z, b.z), c.z);
+    let min_z = min(min(a.z, b.z), c.z);
+    let max_z = max(max(a.z, b.z), c.z);
     for (var corner = 0u; corner < 4u; corner++) {
         let at = vec2<f32>(
             select(frustum.low.x, frustum.high.x, ((corner & 1u) == 1u)),
@@ -151,7 +151,7 @@ fn polygon_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
         let pierces = all(sides >= vec3<f32>(0.0)) || all(sides <= vec3<f32>(0.0));
         let plane_z = plane_depth(normal, a, at);
         if (pierces && plane_z >= 0.0) {
-            let z = clamp(plane_z, least_z, greatest_z);
+            let z = clamp(plane_z, min_z, max_z);
             range = joined(range, DepthRange(z, z));
         }
     }

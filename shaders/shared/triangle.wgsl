@@ -69,8 +69,8 @@ fn cross_triangle(frame: RayFrame, first: vec3<f32>, second: vec3<f32>, third: v
     let normal = cross(second - first, third - first) * inverse_power(determinant);
     let slope = dot(normal, frame.direction);
     let on_plane = dot(normal, first - frame.origin) / slope;
-    let least_z = min(min(a.z, b.z), c.z);
-    let greatest_z = max(max(a.z, b.z), c.z);
-    let t = select(interpolated, clamp(on_plane, least_z, greatest_z), (slope != 0.0));
+    let min_z = min(min(a.z, b.z), c.z);
+    let max_z = max(max(a.z, b.z), c.z);
+    let t = select(interpolated, clamp(on_plane, min_z, max_z), (slope != 0.0));
     return Crossing(t, weights.y, weights.z);
 }

@@ -26,7 +26,7 @@ const STATUS_MISS: u32 = 2u;
 const STATUS_LEFT_VIEWS: u32 = 3u;
 const STATUS_STEP_CAP: u32 = 4u;
 const STATUS_THICKNESS_REJECTED: u32 = 5u;
-const STATUS_OCCLUDED: u32 = 6u;
+const STATUS_BEHIND_LAST_LAYER: u32 = 6u;
 const STATUS_INPAINTED: u32 = 7u;
 
 struct Surface {

@@ -6,12 +6,12 @@
 //!
 //! ```
 //! use tracebench_shaders::{Shader, dirt};
-//! let shader = Shader::from(dirt::Fill::Primitives { conservative: true, split: false, compute: false });
-//! assert_eq!(shader.name, "dirt/fill PRIMITIVES CONSERVATIVE");
+//! let shader = Shader::from(dirt::Fill::Primitives { conservative: true, split: true });
+//! assert_eq!(shader.name, "dirt/fill PRIMITIVES SPLIT");
 //! ```
 //! ```compile_fail
 //! // Depth bounds have no lists that could be split.
-//! let shader = tracebench_shaders::dirt::Fill::Plain { conservative: true, split: false, compute: false };
+//! let shader = tracebench_shaders::dirt::Fill::Plain { conservative: true, split: false };
 //! ```
 
 #[cfg(test)]
@@ -31,11 +31,22 @@ pub struct Shader {
     pub source: &'static str,
     /// Its entry points.
     pub entries: &'static [EntryPoint],
+    /// What pipelines are told: its `override`s, as its WGSL calls them.
+    pub switches: &'static [(&'static str, f64)],
 }
 
+/// What tells a shader from every other.
+pub type ShaderKey = (&'static str, u32);
+
 impl Shader {
-    /// The value of one of its `u32` constants, by the name that its module gives it: for tests that hold sizes of the host and of the device
-    /// together. Composed, a name has its module's behind it.
+    /// Its key: its name, with a bit for each of its switches.
+    #[must_use]
+    pub fn key(&self) -> ShaderKey {
+        (self.name, self.switches.iter().fold(0, |bits, (_, on)| 2 * bits + u32::from(*on > 0.0)))
+    }
+
+    /// The value of one of its `u32` constants, by the name that its module gives it: for tests that hold sizes of the host and of the
+    /// device together. Composed, a name has its module's behind it.
     #[must_use]
     pub fn constant(&self, name: &str) -> Option<u32> {
         let of = |line: &str| {
@@ -77,7 +88,7 @@ pub struct BoundStruct {
     pub size: usize,
 }
 
-/// The variants of one file.
+/// The variants of one file: those that are composed and, of each, those that pipelines choose.
 pub trait Variant: Copy + Ord + Into<Shader> + 'static {
     /// Every one.
     const ALL: &'static [Self];

@@ -81,7 +81,7 @@ fn find_slopes(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 // Origins and directions of rays in eye space with a span: of every cell of a level on the way its place, and what the ray has there.
-const MOST_CELLS: u32 = 64u;
+const MAX_CELLS: u32 = 64u;
 
 @compute @workgroup_size(64)
 fn cross_cells(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -97,12 +97,12 @@ fn cross_cells(@builtin(global_invocation_id) id: vec3<u32>) {
     var cell = cell_at(track, 0.0, level, last);
     var place = 0.0;
     var count = 0u;
-    for (; count < MOST_CELLS; count++) {
+    for (; count < MAX_CELLS; count++) {
         let bounds = bounds_of(cell, level);
         let leaves = leaves_at(track, bounds, place);
         let exit = min(min(leaves.x, leaves.y), 1.0);
         let near = part_near(track, asked.w, vec2<f32>(place, exit), 0.0, 1.0);
-        let at = 2u * (id.x * MOST_CELLS + count);
+        let at = 2u * (id.x * MAX_CELLS + count);
         results[at] = vec4<f32>(vec2<f32>(cell), enters_at(track, bounds, 0.0), exit);
         results[at + 1u] = vec4<f32>(near, z_along(track, place), 1.0);
         if (exit >= 1.0) {

@@ -28,7 +28,7 @@ struct Piece {
     after: u32,
 }
 
-const MOST_PIECES: u32 = 96u;
+const MAX_PIECES: u32 = 96u;
 
 @group(0) @binding(0) var<storage, read> tasks: array<Task>;
 @group(0) @binding(1) var<storage, read_write> spans: array<vec4<f32>>;
@@ -69,14 +69,14 @@ fn walk(@builtin(global_invocation_id) id: vec3<u32>) {
     let heading = image_direction(ray);
     var pixel = pixel_at(view, ray, span.begin, last);
     var t = span.begin;
-    for (var step = 0u; step < MOST_PIECES; step++) {
+    for (var step = 0u; step < MAX_PIECES; step++) {
         let level = ((task.seed * (step + 1u)) >> 16u) % task.levels;
         let leaves = leaves_cell(view, ray, heading, pixel, level, t);
         let end = min(min(leaves.x, leaves.y), span.end);
         let next = next_pixel(view, ray, heading, pixel, level, leaves, end, last);
         var after = select(1u, 3u, !is_in_image(next, last));
         after = select(after, 2u, (end >= span.end));
-        pieces[id.x * MOST_PIECES + step] = Piece(pixel, t, end, level, after);
+        pieces[id.x * MAX_PIECES + step] = Piece(pixel, t, end, level, after);
         if (after != 1u) {
             return;
         }

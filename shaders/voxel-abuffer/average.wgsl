@@ -7,9 +7,9 @@
 struct AveragedGrid {
     voxels: u32,
     // Shorter averages say nothing: opposite normals have cancelled.
-    least_length: f32,
+    min_length: f32,
     // More fragments than sums in 32 bits are sure to hold.
-    most_fragments: u32,
+    max_fragments: u32,
     padding: u32,
 }
 
@@ -39,11 +39,11 @@ fn code_of(voxel: u32) -> u32 {
         return 0u;
     }
     let count = word & ~ANY_FRAGMENT;
-    if (count > averaged.most_fragments) {
+    if (count > averaged.max_fragments) {
         atomicAdd(&taken[CROWDED], 1u);
     }
     let sum = vec3<f32>(vec3<i32>(sums_x[voxel], sums_y[voxel], sums_z[voxel])) / NORMAL_UNIT;
-    if (count == 0u || !(length(sum) > averaged.least_length * f32(count))) {
+    if (count == 0u || !(length(sum) > averaged.min_length * f32(count))) {
         return CANCELLED;
     }
     return dominant_axis(sum) + 1u;

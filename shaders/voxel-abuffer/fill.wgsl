@@ -1,28 +1,22 @@
 // The pass over the geometry (section 3.1), of one of its three orthographic projections: every fragment goes into its texel's list
-// and its normal into its voxel's sums. By the rasterizer's own sample rule, with COMPUTE by that of tracebench::coverage; depth is not
-// tested.
+// and its normal into its voxel's sums. By the rasterizer's own sample rule, in compute (`draw`) by that of tracebench::coverage; depth is
+// not tested.
 
+#import tracebench::scene::load_position
 #import tracebench::plane_depth::facet
-#import tracebench::surface::{greatest_of, unit_normal}
+#import tracebench::surface::{max_of, unit_normal}
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index}
-#import tracebench::voxel_space::{DrawnAxis, layer_code}
-#ifdef COMPUTE
+#import tracebench::voxel_space::layer_code
+#import tracebench::voxel_fragments::{drawn, taken}
+#ifdef STORE
+#import tracebench::voxel_fragments::store_fragment
+#endif
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_image, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
-#endif
 
-@group(0) @binding(0) var<uniform> drawn: DrawnAxis;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
 #ifdef STORE
 @group(0) @binding(3) var<storage, read> materials: array<u32>;
-@group(0) @binding(4) var<storage, read_write> heads: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read_write> nodes: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> data: array<vec4<u32>>;
-#ifdef HALVES
-@group(0) @binding(8) var<storage, read_write> further_data: array<vec4<u32>>;
-#endif
 @group(0) @binding(9) var<storage, read_write> sums_x: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> sums_y: array<atomic<i32>>;
 @group(0) @binding(11) var<storage, read_write> sums_z: array<atomic<i32>>;
@@ -32,9 +26,6 @@
 #ifdef VOXELS
 // A bit a voxel.
 @group(0) @binding(9) var<storage, read_write> occupied: array<atomic<u32>>;
-#else
-// Fragments of every axis.
-@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
 #endif
 
 // As `NORMAL_UNIT` in tracers/voxel-abuffer/src/grid.rs: sums of normals are integers, so that they do not hang on the order of atomics.
@@ -56,11 +47,6 @@ struct Facing {
 #endif
 }
 
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
-}
-
 fn drawn_place(point: vec3<f32>) -> vec3<f32> {
     return on_image(drawn.axis, to_unit(drawn.space, point));
 }
@@ -75,7 +61,7 @@ fn facing_of(first: u32) -> Facing {
     let plane = facet(a, b, c);
     // In the cube, whose axes may be scaled differently.
     let across = plane.across / drawn.space.scale;
-    let normal = across / max(greatest_of(across), 1e-30);
+    let normal = across / max(max_of(across), 1e-30);
     let on_plane = drawn_place(plane.at);
     let tilt = on_image(drawn.axis, normal);
     // Edge-on nothing is drawn but by what corners are snapped.
@@ -89,7 +75,7 @@ fn facing_of(first: u32) -> Facing {
     let axis = dominant_axis(normal);
     // Of corners in a line there is none, and what a rasterizer may draw of them adds nothing.
     var unit = vec3<f32>(0.0);
-    if (greatest_of(across) > 0.0) {
+    if (max_of(across) > 0.0) {
         unit = normalize(normal);
     }
     if (drawn.as_lines == 1u && unit[axis] < 0.0) {
@@ -103,24 +89,6 @@ fn facing_of(first: u32) -> Facing {
 }
 
 #ifdef STORE
-fn store_fragment(texel: vec2<u32>, depth: f32, facing: Facing) {
-    // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
-    let node = atomicAdd(&taken[drawn.axis], 1u);
-    if (node >= drawn.capacity) {
-        return;
-    }
-    let link = atomicExchange(&heads[texel.y * drawn.space.image + texel.x], node + 1u);
-    nodes[node] = vec2<u32>(layer_code(depth, facing.words.y == 1u), link);
-    let record = vec4<u32>(bitcast<vec3<u32>>(facing.normal), facing.words.x);
-#ifdef HALVES
-    if (node >= drawn.half_nodes) {
-        further_data[node - drawn.half_nodes] = record;
-        return;
-    }
-#endif
-    data[node] = record;
-}
-
 fn feed(voxel: u32, fed: vec4<i32>) {
     if (fed.w == 0) {
         atomicOr(&fragments[voxel], ANY_FRAGMENT);
@@ -147,13 +115,13 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
 #ifdef VOXELS
     atomicOr(&occupied[voxel >> 5u], 1u << (voxel & 31u));
 #else
-    store_fragment(vec2<u32>(centre), depth, facing);
+    let record = vec4<u32>(bitcast<vec3<u32>>(facing.normal), facing.words.x);
+    store_fragment(vec2<u32>(centre), layer_code(depth, facing.words.y == 1u), record);
     feed(voxel, facing.fed);
 #endif
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -178,7 +146,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
 #ifndef TALLY
@@ -228,4 +196,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, facing);
     return vec4<f32>(0.0);
 }
-#endif

@@ -5,9 +5,9 @@
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::list_order::{node_words, open, depth_bits, next_of, set_next, ordered_list}
-#import tracebench::voxel_space::DrawnAxis
+#import tracebench::voxel_space::RasterizedAxis
 
-@group(0) @binding(0) var<uniform> drawn: DrawnAxis;
+@group(0) @binding(0) var<uniform> drawn: RasterizedAxis;
 @group(0) @binding(1) var<storage, read_write> heads: array<u32>;
 // Binding 2: the nodes.
 @group(0) @binding(3) var<storage, read_write> taken: array<atomic<u32>>;

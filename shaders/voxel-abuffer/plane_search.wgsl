@@ -6,11 +6,12 @@
 
 #import tracebench::types::{Ray, Surface, SURFACE_WRITTEN}
 #import tracebench::image_walk::{NEVER, Span}
-#import tracebench::unit_space::{to_unit, on_image, from_image, voxel_at}
-#import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
-#import tracebench::voxel_store::{search, ray, origin, direction, open, work, code_of, head_of, load_node, load_data, STEPPED, OPENED, SEARCHES, COMPARED}
+#import tracebench::unit_space::{on_image, from_image, voxel_at}
+#import tracebench::voxel_walk::{leaves_voxel, next_voxel, is_in_grid}
+#import tracebench::lanes::open
+#import tracebench::voxel_store::{search, begin_ray, ray, origin, direction, work, code_of, head_of, load_node, load_data, STEPPED, OPENED, SEARCHES, COMPARED}
 #import tracebench::voxel_plane_parts::{lies_in_part, place_slack}
-#import tracebench::surface::greatest_of
+#import tracebench::surface::max_of
 
 // What is found: the ray's parameter, and of the fragment its axis, data, and 1 where its normal points along the axis.
 var<private> found: bool;
@@ -152,17 +153,9 @@ fn search_voxel(axes: u32, begin: f32, end: f32) {
 }
 
 fn find_hit(given: Ray) {
-    // Nothing is left of the ray before.
     found = false;
-    open = 0u;
-#ifdef COUNTERS
-    work = array<u32, 6>();
-#endif
-    ray = given;
     let space = search.space;
-    origin = to_unit(space, ray.origin);
-    direction = ray.direction * space.scale;
-    var span = span_in_cube(origin, direction, Span(ray.t_min, ray.t_max));
+    var span = begin_ray(given);
     if (!(span.begin <= span.end)) {
         return;
     }
@@ -214,6 +207,6 @@ fn surface_of_hit() -> Surface {
     let across = vec3<f32>(-slopes, 1.0) * select(-1.0, 1.0, found_facing == 1u);
     // Of the plane in the scene, not in the cube.
     let scaled = from_image(found_axis, across) * search.space.scale;
-    let normal = normalize(scaled / greatest_of(scaled));
+    let normal = normalize(scaled / max_of(scaled));
     return Surface(ray.origin + ray.direction * found_t, found_data.w, normal, SURFACE_WRITTEN);
 }

@@ -1,39 +1,30 @@
 // The pass over the geometry of fragments that are oriented planes, of one of its three images: a triangle is drawn in the image along the
 // axis that its normal is longest along, so that slopes are at most 1, into every texel that it touches. A fragment is the plane and
 // what of the triangle lies in the texel. Voxels are marked with the axes of what lies in them. Both builds, by the rasterizer and
-// with COMPUTE, decide by the same arithmetic which texels are touched.
+// in compute (`draw`), decide by the same arithmetic which texels are touched.
 
+#import tracebench::scene::load_position
 #import tracebench::plane_depth::{facet, size_of}
-#import tracebench::surface::greatest_of
+#import tracebench::surface::max_of
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_index}
-#import tracebench::voxel_space::{DrawnAxis, layer_code}
+#import tracebench::voxel_space::layer_code
+#import tracebench::voxel_fragments::{drawn, taken}
+#ifdef STORE
+#import tracebench::voxel_fragments::store_fragment
+#endif
 #import tracebench::voxel_plane_parts::{Part, part_margin, part_in_texel, is_part, part_words}
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::raster_work::part_of
-#else
 #import tracebench::tile_clip::{TileRectangle, rectangle_corner}
-#endif
 
-@group(0) @binding(0) var<uniform> drawn: DrawnAxis;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
-// Fragments of every axis.
-@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
 #ifdef STORE
 @group(0) @binding(3) var<storage, read> materials: array<u32>;
-@group(0) @binding(4) var<storage, read_write> heads: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read_write> nodes: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> data: array<vec4<u32>>;
-#ifdef HALVES
-@group(0) @binding(8) var<storage, read_write> further_data: array<vec4<u32>>;
-#endif
 // Four bits a voxel: an axis' bit is set where the image along it shows anything there.
 @group(0) @binding(9) var<storage, read_write> cells: array<atomic<u32>>;
 #endif
 
 // The sine between two edges, each of size 1, below which their product in f32 is noise: 2^-19, of numbers off by 2^-24.
-const LEAST_SINE: f32 = 1.9073486328125e-6;
+const MIN_SINE: f32 = 1.9073486328125e-6;
 
 // A triangle as its fragments need it, the same at all of them.
 struct AxisTriangle {
@@ -49,11 +40,6 @@ struct AxisTriangle {
     words: vec3<u32>,
 }
 
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
-}
-
 // By its first of three corners.
 fn axis_triangle(first: u32) -> AxisTriangle {
     let a = load_position(first);
@@ -67,12 +53,12 @@ fn axis_triangle(first: u32) -> AxisTriangle {
     }
     let plane = facet(a, b, c);
     // Nor is there one of a sliver whose normal is what rounding left of it; it is narrower by far than what neighbours are grown by.
-    if (!(greatest_of(plane.across) > LEAST_SINE)) {
+    if (!(max_of(plane.across) > MIN_SINE)) {
         return flat_one;
     }
     // In the cube, whose axes may be scaled differently.
     let across = plane.across / drawn.space.scale;
-    let size = greatest_of(across);
+    let size = max_of(across);
     let normal = across / size;
     if (dominant_axis(normal) != drawn.axis) {
         return flat_one;
@@ -111,23 +97,6 @@ fn touched_by(triangle: AxisTriangle) -> vec4<f32> {
 }
 
 #ifdef STORE
-fn store_fragment(texel: vec2<u32>, code: u32, record: vec4<u32>) {
-    // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
-    let node = atomicAdd(&taken[drawn.axis], 1u);
-    if (node >= drawn.capacity) {
-        return;
-    }
-    let link = atomicExchange(&heads[texel.y * drawn.space.image + texel.x], node + 1u);
-    nodes[node] = vec2<u32>(code, link);
-#ifdef HALVES
-    if (node >= drawn.half_nodes) {
-        further_data[node - drawn.half_nodes] = record;
-        return;
-    }
-#endif
-    data[node] = record;
-}
-
 // Marks the voxels that a texel's square and a range of depths lie in. Grids are not finer than images, so that these are few.
 fn mark_voxels(texel: vec2<u32>, depths: vec2<f32>) {
     let grid = drawn.space.grid;
@@ -183,7 +152,6 @@ fn put_fragment(texel: vec2<f32>, triangle: AxisTriangle) {
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -205,7 +173,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) first_two: vec4<f32>,
@@ -251,4 +219,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(floor(in.position.xy), triangle);
     return vec4<f32>(0.0);
 }
-#endif

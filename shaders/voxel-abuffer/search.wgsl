@@ -5,7 +5,8 @@
 #import tracebench::image_walk::NEVER
 #import tracebench::unit_space::on_image
 #import tracebench::voxel_space::depth_code
-#import tracebench::voxel_store::{search, origin, direction, open, work, head_of, load_node, load_data, OPENED, SEARCHES, COMPARED}
+#import tracebench::lanes::open
+#import tracebench::voxel_store::{search, origin, direction, work, head_of, load_node, load_data, OPENED, SEARCHES, COMPARED}
 
 // No axis, where nothing was searched just before.
 const NO_AXIS: u32 = 3u;

@@ -5,7 +5,7 @@
 #import tracebench::unit_space::UnitSpace
 
 // What a pass over the geometry draws: the image along an axis.
-struct DrawnAxis {
+struct RasterizedAxis {
     space: UnitSpace,
     axis: u32,
     // Nodes that there is room for, and how many of them have their data in its first half.

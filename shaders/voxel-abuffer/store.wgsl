@@ -4,7 +4,10 @@
 
 #import tracebench::types::Ray
 #import tracebench::reads::{quad_0, pair_0, word_0, word_1}
-#import tracebench::unit_space::voxel_index
+#import tracebench::image_walk::Span
+#import tracebench::lanes::open
+#import tracebench::unit_space::{to_unit, voxel_index}
+#import tracebench::voxel_walk::span_in_cube
 #import tracebench::voxel_settings::VoxelSearch
 
 @group(0) @binding(0) var<uniform> search: VoxelSearch;
@@ -44,12 +47,22 @@ const CANCELLED: u32 = 4u;
 var<private> ray: Ray;
 var<private> origin: vec3<f32>;
 var<private> direction: vec3<f32>;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all. A ray that it cut off is given up, or answered again where its lane had others.
-var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: array<u32, 6>;
 #endif
+
+// Begins with a ray; the part of it that lies in the cube.
+fn begin_ray(given: Ray) -> Span {
+    // Nothing is left of the ray before.
+    open = 0u;
+#ifdef COUNTERS
+    work = array<u32, 6>();
+#endif
+    ray = given;
+    origin = to_unit(search.space, ray.origin);
+    direction = ray.direction * search.space.scale;
+    return span_in_cube(origin, direction, Span(ray.t_min, ray.t_max));
+}
 
 fn code_of(voxel: vec3<i32>) -> u32 {
     let index = voxel_index(search.space, voxel);

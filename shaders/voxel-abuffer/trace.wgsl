@@ -4,15 +4,14 @@
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN, SURFACE_LOST}
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #ifdef ORIENTED
-#import tracebench::voxel_store::{search, open, work, counted, COUNTS}
+#import tracebench::voxel_store::{search, work, counted, COUNTS}
 #import tracebench::voxel_plane_search::{found, found_t, find_hit, surface_of_hit}
 #else
-#import tracebench::image_walk::Span
-#import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at}
-#import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
-#import tracebench::voxel_store::{search, ray, origin, direction, open, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
+#import tracebench::unit_space::{on_image, from_image, dominant_axis, voxel_at}
+#import tracebench::voxel_walk::{leaves_voxel, next_voxel, is_in_grid}
+#import tracebench::voxel_store::{search, begin_ray, ray, origin, direction, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
 #import tracebench::voxel_search::{found, found_t, found_axis, found_texel, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, side_at, search_voxel}
 #endif
 
@@ -32,18 +31,10 @@ fn chosen_axis(code: u32) -> u32 {
 }
 
 fn find_hit(given: Ray) {
-    // Nothing is left of the ray before.
     found = false;
-    open = 0u;
     run_axis = NO_AXIS;
-#ifdef COUNTERS
-    work = array<u32, 6>();
-#endif
-    ray = given;
     let space = search.space;
-    origin = to_unit(space, ray.origin);
-    direction = ray.direction * space.scale;
-    var span = span_in_cube(origin, direction, Span(ray.t_min, ray.t_max));
+    var span = begin_ray(given);
     if (!(span.begin <= span.end)) {
         return;
     }
@@ -182,8 +173,7 @@ fn surface_of_hit() -> Surface {
 var<private> found_surface: Surface;
 #endif
 
-// What is found of a ray; with open loops the driver has cut its search off.
-fn search_ray(index: u32) {
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     find_hit(rays[index]);
 #ifdef SURFACES
     found_surface = no_surface(SURFACE_NO_HIT);
@@ -191,9 +181,9 @@ fn search_ray(index: u32) {
         found_surface = surface_of_hit();
     }
 #endif
-}
-
-fn write_answer(index: u32) {
+    if (open > 0u && !is_alone) {
+        return;
+    }
     if (open > 0u) {
         hits[index] = miss(STATUS_STEP_CAP);
     } else if (found) {
@@ -215,47 +205,13 @@ fn write_answer(index: u32) {
 #endif
 }
 
-// A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count) {
-        search_ray(index);
-        write_answer(index);
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }
 
-// Several rays a lane, one after the other. Rays that are cut off, and those behind them, are left unanswered.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    loop {
-        if (turns.ray >= turns.end) {
-            break;
-        }
-        search_ray(turns.ray);
-        if (open > 0u) {
-            break;
-        }
-        write_answer(turns.ray);
-        turns.ray += BLOCK_LANES;
-    }
-}
-
-// Whether a ray of the workgroup has no answer.
-var<workgroup> unanswered: atomic<u32>;
-
-// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
-// ones run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count && hits[index].status == STATUS_UNWRITTEN) {
-        atomicStore(&unanswered, 1u);
-    }
-    workgroupBarrier();
-    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
-        search_ray(index);
-        write_answer(index);
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

@@ -3,7 +3,7 @@
 
 #import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::word_1
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{to_unit, voxel_at, voxel_index}
@@ -65,15 +65,15 @@ fn find_hit(ray: Ray) -> Answer {
     return Answer(miss(STATUS_STEP_CAP), stepped);
 }
 
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = find_hit(rays[index]);
+    hits[index] = answer.hit;
+#ifdef COUNTERS
+    counts[index] = answer.stepped;
+#endif
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = find_hit(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
-#ifdef COUNTERS
-        counts[turns.ray] = answer.stepped;
-#endif
-        turns.ray += BLOCK_LANES;
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }

@@ -2,9 +2,9 @@
 // of them. Sums are integers, so that nothing hangs on the order of atomics.
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::surface::{greatest_of, unit_normal}
+#import tracebench::surface::{max_of, unit_normal}
 #import tracebench::octree_normal::packed_normal
-#import tracebench::octree_settings::{OctreeBuild, WORKGROUP_SIZE, OPENED, MOST_DEPTH, no_voxel}
+#import tracebench::octree_settings::{OctreeBuild, WORKGROUP_SIZE, OPENED, MAX_DEPTH, no_voxel}
 
 @group(0) @binding(0) var<uniform> build: OctreeBuild;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
@@ -31,13 +31,13 @@ fn is_first(place: u32) -> bool {
     return is_fragment(place) && (place == 0u || keys[place] != keys[place - 1u]);
 }
 
-var<workgroup> tally: array<atomic<u32>, MOST_DEPTH>;
+var<workgroup> tally: array<atomic<u32>, MAX_DEPTH>;
 
 // Marks the first fragment of every voxel, and counts from which level on it lies in nodes of its own.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn mark(invocation: Invocation) {
     let place = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (invocation.local < MOST_DEPTH) {
+    if (invocation.local < MAX_DEPTH) {
         atomicStore(&tally[invocation.local], 0u);
     }
     workgroupBarrier();
@@ -53,7 +53,7 @@ fn mark(invocation: Invocation) {
         atomicAdd(&tally[level], 1u);
     }
     workgroupBarrier();
-    if (invocation.local < MOST_DEPTH) {
+    if (invocation.local < MAX_DEPTH) {
         let count = atomicLoad(&tally[invocation.local]);
         if (count > 0u) {
             atomicAdd(&taken[OPENED + invocation.local], count);
@@ -114,8 +114,8 @@ fn sum(invocation: Invocation) {
     }
 }
 
-// As `LEAST_LENGTH` in tracers/voxel-octree/src/reference.rs: shorter averages say nothing, as opposite normals have cancelled.
-const LEAST_LENGTH: f32 = 0.0625;
+// As `MIN_LENGTH` in tracers/voxel-octree/src/reference.rs: shorter averages say nothing, as opposite normals have cancelled.
+const MIN_LENGTH: f32 = 0.0625;
 
 // Every leaf's normal and material.
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -135,8 +135,8 @@ fn finish(invocation: Invocation) {
             i32(atomicLoad(&leaves[leaf * 2u + 1u])),
             i32(atomicLoad(&sums_z[leaf])),
         ));
-        let length = greatest_of(sums);
-        if (length > LEAST_LENGTH * f32(count) * unit_of(count)) {
+        let length = max_of(sums);
+        if (length > MIN_LENGTH * f32(count) * unit_of(count)) {
             normal = normalize(sums / length);
         }
     }

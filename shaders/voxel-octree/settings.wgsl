@@ -28,7 +28,7 @@ const BROKEN: u32 = 4u;
 const OPENED: u32 = 5u;
 
 // The most levels: three bits each in a key of 30.
-const MOST_DEPTH: u32 = 10u;
+const MAX_DEPTH: u32 = 10u;
 
 // The key of no voxel, behind those of all.
 fn no_voxel(levels: u32) -> u32 {

@@ -1,18 +1,19 @@
-// The exact walk through a sparse voxel octree: from empty part to empty part, however large, until a leaf. What comes next is found from the
-// root each time, as Crassin, Neyret, Lefebvre, Eisemann do ("GigaVoxels", I3D 2009, section 4.2.1, after kd-restart), or with STACK from the
-// deepest node that holds it (Laine, Karras, "Efficient Sparse Voxel Octrees", I3D 2010). A ray is at a voxel of the finest grid all the time
-// and goes on to a neighbour of the part that it leaves, across the side that it leaves it by, so that no rounding leads it past a voxel's edge.
+// The exact walk through a sparse voxel octree: from empty part to empty part, however large, until a leaf. What comes next is found from
+// the root each time, as Crassin, Neyret, Lefebvre, Eisemann do ("GigaVoxels", I3D 2009, section 4.2.1, after kd-restart), or with STACK
+// from the deepest node that holds it (Laine, Karras, "Efficient Sparse Voxel Octrees", I3D 2010). A ray is at a voxel of the finest grid
+// all the time and goes on to a neighbour of the part that it leaves, across the side that it leaves it by, so that no rounding leads it
+// past a voxel's edge.
 
 #import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{pair_0, pair_1}
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{UnitSpace, to_unit, voxel_at}
 #import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
 #import tracebench::octree_morton::part_of
 #import tracebench::octree_normal::unpacked_normal
-#import tracebench::octree_settings::MOST_DEPTH
+#import tracebench::octree_settings::MAX_DEPTH
 
 struct OctreeSearch {
     space: UnitSpace,
@@ -38,6 +39,9 @@ struct OctreeSearch {
 // A bit a node and a bit a leaf that any ray met, and of every ray COUNTS numbers.
 @group(0) @binding(4) var<storage, read_write> counted: array<atomic<u32>>;
 #endif
+
+// Whether nodes on the way down are kept on a stack.
+override STACK: bool;
 
 // Of every ray: nodes read, and parts of the cube stepped out of.
 const COUNTS: u32 = 2u;
@@ -93,9 +97,7 @@ fn find_hit(ray: Ray) -> Answer {
     var leaving_start = span.begin <= ray.t_min;
     var node = 0u;
     var depth = 0u;
-#ifdef STACK
-    var stack = array<u32, MOST_DEPTH>();
-#endif
+    var stack = array<u32, MAX_DEPTH>();
     // No ray takes more rounds: what is beyond was cut off by the driver.
     let most = 3u * space.grid * (levels + 1u) + levels;
     for (var round = 0u; round <= most; round++) {
@@ -108,9 +110,9 @@ fn find_hit(ray: Ray) -> Answer {
         let has_child = ((record.y >> part) & 1u) == 1u;
         let child = record.x + countOneBits(record.y & ((1u << part) - 1u));
         if (has_child && depth + 1u < levels) {
-#ifdef STACK
-            stack[depth] = node;
-#endif
+            if (STACK) {
+                stack[depth] = node;
+            }
             node = child;
             depth += 1u;
             continue;
@@ -146,18 +148,18 @@ fn find_hit(ray: Ray) -> Answer {
         let before = voxel;
         voxel = select(ahead, entered, next != cell);
         t = exit;
-#ifdef STACK
-        // The deepest node that holds both, none below that which was left.
-        let differ = (before.x ^ voxel.x) | (before.y ^ voxel.y) | (before.z ^ voxel.z);
-        let shared_depth = levels - 1u - u32(firstLeadingBit(differ));
-        if (shared_depth < depth) {
-            depth = shared_depth;
-            node = stack[shared_depth];
+        if (STACK) {
+            // The deepest node that holds both, none below that which was left.
+            let differ = (before.x ^ voxel.x) | (before.y ^ voxel.y) | (before.z ^ voxel.z);
+            let shared_depth = levels - 1u - u32(firstLeadingBit(differ));
+            if (shared_depth < depth) {
+                depth = shared_depth;
+                node = stack[shared_depth];
+            }
+        } else {
+            depth = 0u;
+            node = 0u;
         }
-#else
-        depth = 0u;
-        node = 0u;
-#endif
     }
     return answer_of(STATUS_STEP_CAP);
 }
@@ -174,20 +176,20 @@ fn surface_of(ray: Ray, answer: Answer) -> Surface {
 }
 #endif
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = find_hit(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = find_hit(rays[index]);
+    hits[index] = answer.hit;
 #ifdef SURFACES
-        surfaces[turns.ray] = surface_of(rays[turns.ray], answer);
+    surfaces[index] = surface_of(rays[index], answer);
 #endif
 #ifdef COUNTERS
-        for (var count = 0u; count < COUNTS; count++) {
-            atomicStore(&counted[search.touched_words + turns.ray * COUNTS + count], work[count]);
-        }
-#endif
-        turns.ray += BLOCK_LANES;
+    for (var count = 0u; count < COUNTS; count++) {
+        atomicStore(&counted[search.touched_words + index * COUNTS + count], work[count]);
     }
+#endif
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }

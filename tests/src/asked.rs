@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    AdapterChoice, Counter, EndPoint, Gpu, Hit, HitBuffer, ParameterDescription, Parameters, PhaseClock, Preset, Query,
-    Ray, RayBuffer, Residency, Structure, Surface, TraceJob, TracerError,
+    AdapterChoice, Counter, Gpu, Hit, HitBuffer, ParameterDescription, Parameters, PhaseClock, Preset, Query, Ray,
+    RayBuffer, Residency, Structure, Surface, TraceJob, TraceTo, TracerError,
 };
 
 /// The published parameters with some set.
@@ -41,14 +41,14 @@ pub fn answers(
     rays: &[Ray],
     query: Query,
     parameters: &Parameters,
-    end: EndPoint,
+    trace_to: TraceTo,
 ) -> (Vec<Hit>, Vec<Surface>) {
     let trace = |job: TraceJob<'_>, hits: &mut HitBuffer| {
         let mut clock = PhaseClock::new(Some(gpu));
         structure.trace(job, hits, &mut clock)?;
         clock.finish().map(drop)
     };
-    let (hits, surfaces, ()) = asked(gpu, rays, query, parameters, end, trace);
+    let (hits, surfaces, ()) = asked(gpu, rays, query, parameters, trace_to, trace);
     (hits, surfaces)
 }
 
@@ -57,15 +57,15 @@ fn asked<T>(
     rays: &[Ray],
     query: Query,
     parameters: &Parameters,
-    end: EndPoint,
+    trace_to: TraceTo,
     trace: impl FnOnce(TraceJob<'_>, &mut HitBuffer) -> Result<T, TracerError>,
 ) -> (Vec<Hit>, Vec<Surface>, T) {
     let asked = || {
         let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(gpu));
-        let mut hits = HitBuffer::for_end(end, rays.host.len(), Residency::Device, Some(gpu))?;
+        let mut hits = HitBuffer::tracing_to(trace_to, rays.host.len(), Residency::Device, Some(gpu))?;
         hits.poison(Some(gpu))?;
-        let told = trace(TraceJob { rays: &rays, end, parameters }, &mut hits)?;
-        let surfaces = if end == EndPoint::Surface { hits.read_surfaces(Some(gpu))? } else { Vec::new() };
+        let told = trace(TraceJob { rays: &rays, trace_to, parameters }, &mut hits)?;
+        let surfaces = if trace_to == TraceTo::Surface { hits.read_surfaces(Some(gpu))? } else { Vec::new() };
         Ok((hits.read(Some(gpu))?, surfaces, told))
     };
     asked().unwrap_or_else(|error: TracerError| panic!("{error}"))
@@ -81,9 +81,9 @@ pub fn counted(
     rays: &[Ray],
     query: Query,
     parameters: &Parameters,
-    end: EndPoint,
+    trace_to: TraceTo,
 ) -> (Vec<Hit>, Vec<Surface>, Vec<Counter>) {
-    asked(gpu, rays, query, parameters, end, |job, hits| structure.trace_counted(job, hits))
+    asked(gpu, rays, query, parameters, trace_to, |job, hits| structure.trace_counted(job, hits))
 }
 
 /// What a counter counted of all rays.

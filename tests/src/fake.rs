@@ -1,4 +1,4 @@
-//! Contenders that never hit, and some that cheat or waver on top, which the registry has none of.
+//! Configurations that never hit, and some that cheat or waver on top, which the registry has none of.
 
 use std::cell::Cell;
 
@@ -7,12 +7,12 @@ use tracebench_api::{
     TracerError, Update, Viewpoint,
 };
 
-/// How a contender behaves.
+/// How a config behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Manner {
     /// Misses every ray, whenever it is asked.
     Honest,
-    /// Answers the first trace and leaves what stands in the buffer at every later one.
+    /// Answers the first trace and leaves what is in the buffer at every later one.
     Idle,
     /// Takes its time at the first trace of a structure, and misses every ray.
     Slow,

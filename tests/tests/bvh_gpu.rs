@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure,
-    Timing, TraceJob, TracerError, Update,
+    AdapterChoice, Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure, Timing,
+    TraceJob, TraceTo, TracerError, Update,
 };
 use tracebench_scenes::procedural;
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
@@ -89,7 +89,7 @@ fn refits_follow_by_both_nodes() {
             let before = subject.answer(&*structure, &rays, Query::Closest).0;
             let bytes = structure.memory().structure_bytes();
             let mut refit = |structure: &mut dyn Structure, positions: &[[f32; 3]], update: Update| {
-                geometry = geometry.clone().moved_to(positions.to_vec(), Some(&gpu)).unwrap();
+                geometry = geometry.clone().with_positions(positions.to_vec(), Some(&gpu)).unwrap();
                 let mut clock = PhaseClock::new(Some(&gpu));
                 structure.update(update, &geometry, &view(), &subject.parameters, &mut clock).unwrap();
                 clock.finish().unwrap();
@@ -156,7 +156,7 @@ fn rows_hold_every_count() {
         })
         .collect();
     for node in ["cwbvh", "bvh2"] {
-        let subject = Subject::new("bvh-gpu", &[("node", node), ("reads", "texture")], &gpu);
+        let subject = Subject::new("bvh-gpu", &[("node", node), ("memory_access", "texture")], &gpu);
         let mut structure = subject.try_build(&soup(&triangles[..700], Some(&gpu))).unwrap();
         // Three quads a triangle: 2048 of them fill three rows.
         for count in [1, 2, 682, 683, 2047, 2048, 2049, 3] {
@@ -187,16 +187,16 @@ fn too_large_is_said() {
     (small.limits.max_texture_dimension_2d, small.limits.max_storage_buffer_binding_size) = (1, row);
     let small = Arc::new(small);
     let (geometry, _) = room(&small);
-    for (node, name, reads) in [
+    for (node, name, memory_access) in [
         ("cwbvh", "CWBVH nodes", "texture"),
         ("bvh2", "BVH2 nodes", "texture"),
         ("cwbvh", "CWBVH nodes", "buffer"),
         ("bvh2", "BVH2 nodes", "buffer"),
     ] {
-        let subject = Subject::new("bvh-gpu", &[("node", node), ("reads", reads)], &small);
+        let subject = Subject::new("bvh-gpu", &[("node", node), ("memory_access", memory_access)], &small);
         let Err(error) = subject.try_build(&geometry) else { panic!("{node} was built") };
-        let TracerError::TooLarge { name: part, bytes, limit, turn_down } = &error else { panic!("{error}") };
-        assert!(part == name && *bytes > row && *limit == row && turn_down.contains("triangle"), "{error}");
+        let TracerError::TooLarge { name: part, bytes, limit, hint } = &error else { panic!("{error}") };
+        assert!(part == name && *bytes > row && *limit == row && hint.contains("triangle"), "{error}");
     }
 }
 
@@ -211,7 +211,7 @@ fn timestamps_after_rasterizing_cover_the_trace() {
     // Enough work to stand out of what a submission costs.
     let rays: Vec<Ray> = rays.iter().cycle().take(rays.len() * 16).copied().collect();
     let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&gpu));
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &subject.parameters };
+    let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &subject.parameters };
     let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(&gpu)).unwrap();
     let timings: Vec<_> = (0..5)
         .map(|_| {
@@ -221,7 +221,7 @@ fn timestamps_after_rasterizing_cover_the_trace() {
             clock.finish().unwrap()
         })
         .collect();
-    assert!(Timing::believable(&timings), "{timings:?}");
+    assert!(Timing::plausible(&timings), "{timings:?}");
     if gpu.listing.timestamps {
         let covers_half = |timing: &Timing| timing.total_ms * 2.0 >= timing.submit_to_done_ms.unwrap();
         assert!(timings.iter().any(covers_half), "{timings:?}");

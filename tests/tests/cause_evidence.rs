@@ -10,7 +10,7 @@ use tracebench_api::{
     View, Viewpoint,
 };
 use tracebench_harness::judge::{Class, Judge, Rule};
-use tracebench_harness::measure::Contender;
+use tracebench_harness::measure::TracerConfig;
 use tracebench_harness::measure::session::{PreparedRays, RayRequest, Session};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::{RAY_SETS, RaySet, default_parameters};
@@ -109,7 +109,7 @@ fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str]) -> Session {
 }
 
 /// A tracer with a fault planted, built over a session's scene.
-fn built(session: &Session, name: &str, preset: Preset, settings: &[(&str, &str)], fault: Fault) -> Contender {
+fn built(session: &Session, name: &str, preset: Preset, settings: &[(&str, &str)], fault: Fault) -> TracerConfig {
     let registration = find(name).unwrap();
     let description = (registration.describe)();
     let mut parameters = Parameters::preset(&description.parameters, preset);
@@ -121,21 +121,21 @@ fn built(session: &Session, name: &str, preset: Preset, settings: &[(&str, &str)
         let tracer = registration.create(&Ok(Arc::clone(&gpu)))?;
         Ok(Box::new(Planted { tracer, fault, gpu: Arc::clone(&gpu) }) as Box<dyn Tracer>)
     };
-    let mut contender = Contender::create(description, parameters, create).unwrap();
-    session.sample_build(&mut contender).unwrap();
-    contender
+    let mut config = TracerConfig::create(description, parameters, create).unwrap();
+    session.sample_build(&mut config).unwrap();
+    config
 }
 
-fn hits(session: &Session, contender: &Contender, rays: &PreparedRays) -> Vec<Hit> {
-    let mut hits = session.hit_buffer(contender, rays).unwrap();
-    session.sample_trace(contender, rays, &mut hits, 1).unwrap();
+fn hits(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Vec<Hit> {
+    let mut hits = session.hit_buffer(config, rays).unwrap();
+    session.sample_trace(config, rays, &mut hits, 1).unwrap();
     hits.read(session.gpu()).unwrap()
 }
 
 /// The causes of some rays' wrong answers.
 fn causes(
     session: &Session,
-    contender: &Contender,
+    config: &TracerConfig,
     rays: &PreparedRays,
     hits: &[Hit],
     of: &[usize],
@@ -144,16 +144,16 @@ fn causes(
         indices.iter().map(|index| all[*index].clone()).collect()
     }
     let (rays_of, answers, hits) = (some(of, &rays.buffer.host), some(of, &rays.answers), some(of, hits));
-    let sight = session.sight(contender).unwrap();
+    let sampling_model = session.sampling_model(config).unwrap();
     let judge = Judge {
         truth: session.truth(),
         eye: session.viewpoint().eye.as_dvec3(),
         rays: &rays_of,
         answers: &answers,
         query: Query::Closest,
-        samplings: &sight.samplings,
-        voxels: sight.voxels,
-        names_primitives: contender.description.names_primitives,
+        samplings: &sampling_model.samplings,
+        voxels: sampling_model.voxels,
+        names_primitives: config.description.names_primitives,
         wrong_rays_per_cause: 0,
     };
     let Judgement::Closest(judgement) = judge.judge(&hits).unwrap() else { panic!("closest was asked") };
@@ -165,7 +165,7 @@ fn of_fault(session: &Session, name: &str, preset: Preset, fault: Fault) -> BTre
     let [sound, faulty] = [Fault::None, fault].map(|fault| built(session, name, preset, &[], fault));
     let mut all = BTreeMap::new();
     for rays in &session.rays {
-        let [before, after] = [&sound, &faulty].map(|contender| hits(session, contender, rays));
+        let [before, after] = [&sound, &faulty].map(|config| hits(session, config, rays));
         let [right, wrong] = [&before, &after].map(|hits| session.classes(name, rays, Rule::Footprint, hits).unwrap());
         let spoilt = right.iter().zip(&wrong).enumerate();
         let spoilt = spoilt.filter(|(_, (right, wrong))| {
@@ -179,8 +179,8 @@ fn of_fault(session: &Session, name: &str, preset: Preset, fault: Fault) -> BTre
     all
 }
 
-/// Where fewer are unexplained than half: leaves of an octree are as wide as its answers are off, so that most of what is right by a footprint
-/// is so by chance, and what is moved is met in a leaf that the scene has, too.
+/// Where fewer are unexplained than half: leaves of an octree are as wide as its answers are off, so that most of what is right by a
+/// footprint is so by chance, and what is moved is met in a leaf that the scene has, too.
 const BELOW_HALF: [(&str, &str, Fault); 1] = [("voxel-octree", "room", Fault::MovedSlab)];
 
 /// Proves that of the rays that a fault makes wrong at least half are unexplained.
@@ -379,10 +379,10 @@ fn simulated(name: &str, settings: &[(&str, &str)], layers: usize, looks: Looks,
     let gpu = gpu();
     for scene in ["room", "atrium"] {
         let session = session(&gpu, scene, &["stereo", "diffuse"]);
-        let contender = built(&session, name, Preset::Published, settings, Fault::None);
+        let config = built(&session, name, Preset::Published, settings, Fault::None);
         let simulation = Simulation::new(&session, layers, looks, thickness * session.truth().diagonal());
         for rays in &session.rays {
-            let on_device = hits(&session, &contender, rays);
+            let on_device = hits(&session, &config, rays);
             let answers: Vec<_> = rays.buffer.host.iter().map(|ray| simulation.answer(&Ray64::from(ray))).collect();
             let on_host: Vec<Hit> = answers.iter().map(|answer| answer.0).collect();
             let same = |(host, device): (&Hit, &Hit)| {
@@ -397,7 +397,7 @@ fn simulated(name: &str, settings: &[(&str, &str)], layers: usize, looks: Looks,
                 }
                 let ray = Ray64::from(&rays.buffer.host[index]);
                 let label = simulation.label(&ray, rays.answers[index].hit, &answers[index]);
-                let cause = causes(&session, &contender, rays, &on_host, &[index]).into_keys().next().unwrap();
+                let cause = causes(&session, &config, rays, &on_host, &[index]).into_keys().next().unwrap();
                 (kept, all) = (kept + usize::from(cause == label), all + 1);
                 *lists.entry((label, cause)).or_insert(0) += 1;
             }

@@ -8,7 +8,7 @@ use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Geometry, Parameters, PhaseClock, Preset, View};
 use tracebench_harness::registry::find;
 use tracebench_kit::{
-    DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene, SUBPIXELS, TileBounds,
+    EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene, RasterBackend, SUBPIXELS, TileBounds,
     allowed_fragments, bind_group_at, clipped_polygon, compute_pipeline, covers_centre, dispatch_linear, eye_space,
     view_uniform,
 };
@@ -208,8 +208,8 @@ fn outlines_misfit(view: &View, triangles: &[[[f32; 3]; 3]], found: &[Vec<[i32; 
     (misfits, sure)
 }
 
-/// Proves that the outlines that the device cuts and rounds have the pixels that f64 clipping has, but where a centre lies so near to a border
-/// that rounding decides; and, as a negative control, that those of another view are noticed.
+/// Proves that the outlines that the device cuts and rounds have the pixels that f64 clipping has, but where a centre lies so near to a
+/// border that rounding decides; and, as a negative control, that those of another view are noticed.
 #[test]
 fn outlines_are_those_of_clipping_in_f64() {
     let (view, triangles) = (view(), triangles());
@@ -223,12 +223,12 @@ fn outlines_are_those_of_clipping_in_f64() {
 }
 
 /// The nearest depths of a view and those behind them, row by row from the top.
-fn drawn(geometry: &Geometry, view: &View, drawn_by: DrawnBy) -> [Vec<f32>; 2] {
+fn drawn(geometry: &Geometry, view: &View, raster_backend: RasterBackend) -> [Vec<f32>; 2] {
     let gpu = gpu();
     let layers = NearestLayers::of_depths(&gpu).unwrap();
     let target = EyeDepthTarget::of_images(&gpu, view.size, 2).unwrap();
     let (device, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
-    let scene = NearestScene { drawn_by, view, geometry: device, triangle_count };
+    let scene = NearestScene { raster_backend, view, geometry: device, triangle_count };
     let passed = [None, Some((&target.images[0], tracebench_kit::behind(0.0)))];
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     for ((layer, image), passed) in (0..).zip(&target.images).zip(passed) {
@@ -245,8 +245,9 @@ const DEPTH_ULPS: u32 = 8;
 /// What differs between two drawings of a view: pixels at which some triangle's border lies so near that either may decide, and
 /// those without such a reason.
 fn differing(geometry: &Geometry, view: &View, [one, other]: [&[Vec<f32>; 2]; 2]) -> [usize; 2] {
-    let border = |drawn_by: DrawnBy| drawn_by.undecided_border(&gpu()).unwrap();
-    let allowed = allowed_fragments(view, geometry, 1, f64::max(border(DrawnBy::Raster), border(DrawnBy::Compute)));
+    let border = |raster_backend: RasterBackend| raster_backend.undecided_border(&gpu()).unwrap();
+    let allowed =
+        allowed_fragments(view, geometry, 1, f64::max(border(RasterBackend::Raster), border(RasterBackend::Compute)));
     let mut counts = [0; 2];
     for (column, row) in (0..view.size[1]).flat_map(|row| (0..view.size[0]).map(move |column| (column, row))) {
         let at = (row * view.size[0] + column) as usize;
@@ -268,7 +269,8 @@ fn both_draw_the_same() {
     let kept: Vec<_> =
         triangles().into_iter().filter(|corners| corners.iter().flatten().all(|x| x.abs() < 1e4)).collect();
     let geometry = soup(&kept, Some(&gpu()));
-    let [raster, compute] = [DrawnBy::Raster, DrawnBy::Compute].map(|drawn_by| drawn(&geometry, &view, drawn_by));
+    let [raster, compute] =
+        [RasterBackend::Raster, RasterBackend::Compute].map(|raster_backend| drawn(&geometry, &view, raster_backend));
     let [undecided, wrong] = differing(&geometry, &view, [&raster, &compute]);
     let pixels = raster[0].len();
     assert_eq!(wrong, 0, "and {undecided} undecided of {pixels}");
@@ -277,11 +279,12 @@ fn both_draw_the_same() {
     let covered = compute.each_ref().map(|image| image.iter().filter(|depth| **depth != NO_SURFACE).count());
     assert!(covered[0] > pixels / 2 && covered[1] > pixels / 4, "{covered:?} of {pixels}");
     let aside = View { forward: (view.forward + view.right * (view.tan_half_width / 63.0)).normalize(), ..view };
-    let moved = drawn(&geometry, &aside, DrawnBy::Compute);
+    let moved = drawn(&geometry, &aside, RasterBackend::Compute);
     assert!(differing(&geometry, &view, [&raster, &moved])[1] > 10);
 }
 
-/// A wall of so many cells along either edge, two triangles each, whose inner vertices lie anywhere about their places: beyond the whole view.
+/// A wall of so many cells along either edge, two triangles each, whose inner vertices lie anywhere about their places: beyond the whole
+/// view.
 fn wall(cells: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mut numbers = Numbers::new(43);
     let mut place = |at: u32| {

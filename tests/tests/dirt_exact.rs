@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, Viewpoint};
+use tracebench_api::{Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, TraceTo, Viewpoint};
 use tracebench_harness::judge::{Judge, Rule};
 use tracebench_harness::registry::find;
 use tracebench_harness::truth::{Answer, Ray64, Truth};
@@ -23,7 +23,7 @@ fn answers(gpu: &Arc<Gpu>, geometry: &Geometry, view: &Viewpoint, rays: &[Ray], 
     let structure = tracer.build(geometry, view, &parameters, &mut clock).unwrap();
     clock.finish().unwrap();
     structure.validate(geometry).unwrap();
-    tracebench_tests::answers(gpu, &*structure, rays, Query::Closest, &parameters, EndPoint::Hit).0
+    tracebench_tests::answers(gpu, &*structure, rays, Query::Closest, &parameters, TraceTo::Hit).0
 }
 
 /// Rays that are wrong under `tight`, and how many are ambiguous.

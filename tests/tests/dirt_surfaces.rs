@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{
-    EndPoint, Geometry, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Surface,
-    SurfaceStatus, TraceJob,
+    Geometry, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Surface, SurfaceStatus,
+    TraceJob, TraceTo,
 };
 use tracebench_harness::registry::find;
 use tracebench_scenes::procedural;
@@ -46,10 +46,11 @@ fn fetches_equal_gathers_over_the_catalogue() {
                 let mut surfaces = |fetch: &str| -> Vec<Surface> {
                     parameters.set(&described, "fetch", fetch).unwrap();
                     let count = rays.host.len();
-                    let mut hits = HitBuffer::for_end(EndPoint::Surface, count, Residency::Device, Some(&gpu)).unwrap();
+                    let mut hits =
+                        HitBuffer::tracing_to(TraceTo::Surface, count, Residency::Device, Some(&gpu)).unwrap();
                     hits.poison(Some(&gpu)).unwrap();
                     let mut clock = PhaseClock::new(Some(&gpu));
-                    let job = TraceJob { rays: &rays, end: EndPoint::Surface, parameters: &parameters };
+                    let job = TraceJob { rays: &rays, trace_to: TraceTo::Surface, parameters: &parameters };
                     structure.trace(job, &mut hits, &mut clock).unwrap();
                     clock.finish().unwrap();
                     hits.read_surfaces(Some(&gpu)).unwrap()

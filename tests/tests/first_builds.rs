@@ -1,5 +1,5 @@
-//! First builds, one after the other: a later one rests on nothing that an earlier one has found. A program of its own, since host memory is
-//! counted for a whole process.
+//! First builds, one after the other: a later one rests on nothing that an earlier one has found. A program of its own, since host memory
+//! is counted for a whole process.
 
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -58,7 +58,7 @@ fn worked(
     let mut clock = PhaseClock::new(Some(gpu));
     let mut structure = build(&mut clock).unwrap();
     let phases = clock.finish().unwrap().phases.into_iter().map(|phase| phase.name).collect();
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     let host_bytes = ALLOCATOR.peak_usage().saturating_sub(held);
     // The one that asks is none of the build.
     let submissions = submissions(gpu) - before - 1;
@@ -115,8 +115,9 @@ impl Tracer for Remembering {
     }
 }
 
-/// Asks every tracer and preset that the second first build over a scene submits as much, has the same phases, needs as much host memory and
-/// holds the same memory as the first; and that a rebuild behind it submits no more and holds the same: sizes live in the structure alone.
+/// Asks every tracer and preset that the second first build over a scene submits as much, has the same phases, needs as much host memory
+/// and holds the same memory as the first; and that a rebuild behind it submits no more and holds the same: sizes live in the structure
+/// alone.
 fn rest_on_nothing(registrations: &[Registration]) {
     let (_alone, gpu) = (alone(), gpu());
     let mut asked = 0;

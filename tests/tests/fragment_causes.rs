@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::DVec3;
-use tracebench_api::{Geometry, Hit, Layers, Projection, Query, Ray, Sampling, Status, Viewpoint};
+use tracebench_api::{Geometry, Hit, Layers, Projection, Query, Ray, SampledImage, Status, Viewpoint};
 use tracebench_harness::judge::{Judge, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::results::Judgement;
@@ -21,7 +21,7 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
     let truth = Truth::new(geometry, "causes");
     let rays_of = Arc::new(rays.to_vec());
     let answers = truth.answer(&rays_of, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
-    let samplings = [Sampling::new(Projection::Perspective(viewpoint().frame_view()), layers)];
+    let samplings = [SampledImage::new(Projection::Perspective(viewpoint().frame_view()), layers)];
     let judge = Judge {
         truth: &truth,
         eye: DVec3::ZERO,
@@ -41,8 +41,8 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
 }
 
 /// A wall behind another one, hit from between: a hidden layer for what keeps one layer; stored for what
-/// keeps all, so that its loss is unexplained: seen head-on, no ray passes between its samples. A thin strip that covers no pixel's centre lies between
-/// samples for all of them.
+/// keeps all, so that its loss is unexplained: seen head-on, no ray passes between its samples. A thin strip that covers no pixel's centre
+/// lies between samples for all of them.
 #[test]
 fn what_is_kept_was_not_hidden() {
     let walls = [-3.0, -6.0].into_iter().flat_map(|z| rectangle([-8.0, -8.0, z], [16.0, 0.0, 0.0], [0.0, 16.0, 0.0]));

@@ -173,7 +173,7 @@ fn refits_follow_by_both_nodes() {
         let before = subject.answer(&*structure, &rays, Query::Closest).0;
         let bytes = structure.memory().structure_bytes();
         let mut moved_by = |positions: &[[f32; 3]], way: Update| {
-            geometry = geometry.clone().moved_to(positions.to_vec(), Some(&gpu)).unwrap();
+            geometry = geometry.clone().with_positions(positions.to_vec(), Some(&gpu)).unwrap();
             update(&subject, &mut *structure, way, &geometry);
             assert_eq!(structure.memory().structure_bytes(), bytes);
             subject.answer(&*structure, &rays, Query::Closest).0
@@ -235,8 +235,8 @@ fn too_large_is_said() {
     for node in NODES {
         let subject = Subject::new("lbvh-gpu", &[("node", node)], &small);
         let Err(error) = subject.try_build(&geometry) else { panic!("{node} was built") };
-        let TracerError::TooLarge { name, bytes, limit, turn_down } = &error else { panic!("{error}") };
+        let TracerError::TooLarge { name, bytes, limit, hint } = &error else { panic!("{error}") };
         assert!(!name.is_empty() && *bytes > 60_000 && *limit == 60_000, "{error}");
-        assert!(turn_down.contains("triangle"), "{error}");
+        assert!(hint.contains("triangle"), "{error}");
     }
 }

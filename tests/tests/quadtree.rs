@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tracebench_api::glam::DVec3;
 use tracebench_api::{Geometry, Gpu, Hit, Parameters, Preset, Projection, Query, Viewpoint};
 use tracebench_harness::judge::{Class, Judge, Rule, WRONG_RAYS_PER_CAUSE};
-use tracebench_harness::measure::Contender;
+use tracebench_harness::measure::TracerConfig;
 use tracebench_harness::measure::session::{PreparedRays, RayRequest, Session};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::{RAY_SETS, RaySet, default_parameters};
@@ -55,7 +55,7 @@ fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str], size: Size) -> Session {
 }
 
 /// The tracer with some settings over a preset, built over a session's scene.
-fn built(session: &Session, preset: Preset, settings: &[(&str, &str)]) -> Contender {
+fn built(session: &Session, preset: Preset, settings: &[(&str, &str)]) -> TracerConfig {
     let registration = find(NAME).unwrap();
     let description = (registration.describe)();
     let mut parameters = Parameters::preset(&description.parameters, preset);
@@ -63,14 +63,14 @@ fn built(session: &Session, preset: Preset, settings: &[(&str, &str)]) -> Conten
         parameters.set(&description.parameters, name, value).unwrap();
     }
     let device = Ok(session.gpu_handle().unwrap());
-    let mut contender = Contender::create(description, parameters, || registration.create(&device)).unwrap();
-    session.sample_build(&mut contender).unwrap();
-    contender
+    let mut config = TracerConfig::create(description, parameters, || registration.create(&device)).unwrap();
+    session.sample_build(&mut config).unwrap();
+    config
 }
 
-fn hits(session: &Session, contender: &Contender, rays: &PreparedRays) -> Vec<Hit> {
-    let mut hits = session.hit_buffer(contender, rays).unwrap();
-    session.sample_trace(contender, rays, &mut hits, 1).unwrap();
+fn hits(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Vec<Hit> {
+    let mut hits = session.hit_buffer(config, rays).unwrap();
+    session.sample_trace(config, rays, &mut hits, 1).unwrap();
     hits.read(session.gpu()).unwrap()
 }
 
@@ -103,8 +103,8 @@ fn at_centre(truth: &Truth, viewpoint: &Viewpoint, point: DVec3, primitive: u32)
 /// How far a rasterizer may move a centre, as the judge has it.
 const SNAP_PIXELS: f64 = 1.0 / 64.0;
 
-/// Whether the centres of all pixels that a point may fall on, as f32 rounds, show its own triangle: on a border between pixels, along which a
-/// stereo eye's rays run, which of them a ray is in hangs on the last bit.
+/// Whether the centres of all pixels that a point may fall on, as f32 rounds, show its own triangle: on a border between pixels, along
+/// which a stereo eye's rays run, which of them a ray is in hangs on the last bit.
 fn is_sure(truth: &Truth, viewpoint: &Viewpoint, point: DVec3, primitive: u32) -> bool {
     let view = viewpoint.frame_view();
     let Some(at) = view.project_inside(point) else { return false };
@@ -151,8 +151,8 @@ struct Outcome {
     causes: BTreeMap<String, u64>,
 }
 
-fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Outcome {
-    let hits = hits(session, contender, rays);
+fn outcome(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Outcome {
+    let hits = hits(session, config, rays);
     let (truth, viewpoint) = (session.truth(), session.viewpoint());
     let view = viewpoint.frame_view();
     let [mut all, mut visible, mut same_triangle, mut sure] = [Share::default(); 4];
@@ -188,7 +188,7 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
         rays: &rays_of,
         answers: &answers,
         query: Query::Closest,
-        samplings: &contender.structure().unwrap().samplings(&contender.parameters).unwrap(),
+        samplings: &config.structure().unwrap().samplings(&config.parameters).unwrap(),
         voxels: None,
         names_primitives: false,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
@@ -230,8 +230,8 @@ fn check_lossless(size: Size, scenes: &[LeastOf]) {
         assert_eq!(session.rays.iter().map(|rays| rays.set.name).collect::<Vec<_>>(), SETS);
         for (rays, least) in session.rays.iter().zip(least) {
             let name = rays.set.name;
-            for (label, contender) in [("lossless", &lossless), ("lossless, else published", &published)] {
-                let found = outcome(&session, contender, rays);
+            for (label, config) in [("lossless", &lossless), ("lossless, else published", &published)] {
+                let found = outcome(&session, config, rays);
                 println!(
                     "{scene} {name}, {label}: right {:.4} of {} whose triangle is surely at the pixel's centre, {:.4} of {} where it \
                      is, {:.4} of {} where one as near is, {:.4} of {} visible, {:.4} of {}; wrong at centres: {:?}",
@@ -294,7 +294,7 @@ fn check_halved(size: Size, scenes: &[&str]) {
         let mut tells = false;
         let [published, improved] = Preset::ALL.map(|preset| built(&session, preset, &[]));
         for rays in &session.rays {
-            let [before, after] = [&published, &improved].map(|contender| outcome(&session, contender, rays));
+            let [before, after] = [&published, &improved].map(|config| outcome(&session, config, rays));
             println!(
                 "{scene} {}: of {} rays published gets {} wrong, improved {}; of all right {:.4} and {:.4}",
                 rays.set.name,

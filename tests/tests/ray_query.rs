@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Structure,
+    TraceJob, TraceTo, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_harness::registry::find;
 use tracebench_scenes::procedural;
@@ -44,7 +44,7 @@ impl Subject {
 
     fn trace(&self, structure: &dyn Structure, rays: &[Ray], query: Query) -> Vec<Hit> {
         let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &self.parameters };
+        let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &self.parameters };
         let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let mut clock = PhaseClock::new(Some(&self.gpu));
@@ -149,7 +149,7 @@ fn unsound_structures_are_noticed() {
     for (positions, triangles) in
         [(&mesh.positions, &collapsed), (&mesh.positions, &swapped), (&moved, &mesh.triangles)]
     {
-        // Built from one scene, held against another.
+        // Built from one scene, compared with another.
         assert!(subject.build(&upload(positions, triangles)).validate(&whole).is_err());
     }
 }
@@ -169,7 +169,7 @@ fn updates_are_rebuilds() {
     assert!(matches!(&refitted, Err(TracerError::Unsupported(reason)) if reason.contains("PreferUpdate")));
     assert_eq!(subject.trace(&*structure, &rays, Query::Closest), before);
     let lower = geometry.positions.iter().map(|[x, y, z]| [*x, 0.5 * y, *z]).collect();
-    let geometry = geometry.moved_to(lower, Some(&gpu)).unwrap();
+    let geometry = geometry.with_positions(lower, Some(&gpu)).unwrap();
     let mut clock = PhaseClock::new(Some(&gpu));
     structure.update(Update::Rebuild, &geometry, &view(), &subject.parameters, &mut clock).unwrap();
     clock.finish().unwrap();

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::DVec3;
 use tracebench_api::{
-    Domain, EndPoint, Geometry, Gpu, HitBuffer, ParameterScope, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, TracerError,
+    Domain, Geometry, Gpu, HitBuffer, ParameterScope, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
+    Structure, TraceJob, TraceTo, TracerError,
 };
 use tracebench_harness::registry::TRACERS;
 use tracebench_tests::{Numbers, available, gpu, ray, viewpoint};
@@ -100,7 +100,7 @@ impl Subject {
     /// The mean of visits and tests over lines.
     fn counted(&self, lines: &RayBuffer, gpu: &Gpu) -> f64 {
         let mut hits = HitBuffer::new(lines.host.len(), self.residency, Some(gpu)).unwrap();
-        let job = TraceJob { rays: lines, end: EndPoint::Hit, parameters: &self.parameters };
+        let job = TraceJob { rays: lines, trace_to: TraceTo::Hit, parameters: &self.parameters };
         let counters = self.structure.trace_counted(job, &mut hits).unwrap();
         assert!(hits.read(Some(gpu)).unwrap().iter().all(|hit| !hit.is_hit()), "{}: a needle was hit", self.name);
         let counted = counters.iter().filter(|counter| ["nodes_visited", "triangle_tests"].contains(&counter.name));

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Status,
-    Structure, TraceJob, Tracer, View, Viewpoint,
+    Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Status, Structure,
+    TraceJob, TraceTo, Tracer, View, Viewpoint,
 };
 use tracebench_harness::judge::{Judge, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::primary_rays;
 use tracebench_harness::results::Judgement;
 use tracebench_harness::truth::{Cache, Ray64, Truth};
-use tracebench_kit::{DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene};
+use tracebench_kit::{EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene, RasterBackend};
 use tracebench_screen_dda::{ScreenDda, description};
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
 
@@ -57,7 +57,7 @@ impl Scene {
         let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let mut clock = PhaseClock::new(Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters };
+        let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters };
         self.structure.trace(job, &mut hits, &mut clock).unwrap();
         clock.finish().unwrap();
         hits.read(Some(&self.gpu)).unwrap()
@@ -102,7 +102,7 @@ fn rasterize(gpu: &Gpu, geometry: &Geometry, view: &View) -> Vec<f32> {
     let layers = NearestLayers::of_depths(gpu).unwrap();
     let target = EyeDepthTarget::new(gpu, view.size).unwrap();
     let (geometry, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
-    let scene = NearestScene { drawn_by: DrawnBy::Raster, view, geometry, triangle_count };
+    let scene = NearestScene { raster_backend: RasterBackend::Raster, view, geometry, triangle_count };
     let pass = layers.prepare(gpu, scene, None).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     layers.record(&mut encoder, &pass, LayerTarget { image: &target.eye_depth, layer: 0, test: &target.test });
@@ -438,5 +438,5 @@ fn a_frame_too_large_is_an_error() {
     let gpu = gpu();
     let edge = gpu.limits.max_texture_dimension_2d + 1;
     let error = EyeDepthTarget::new(&gpu, [edge, 1]).unwrap_err().to_string();
-    assert!(error.contains("--frame") && error.contains(&edge.to_string()), "{error}");
+    assert!(error.contains("--frame-size") && error.contains(&edge.to_string()), "{error}");
 }

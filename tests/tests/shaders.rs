@@ -73,7 +73,7 @@ fn layouts_are_those_of_rust() {
     assert!(shared().keys().all(|name| seen.contains_key(*name)), "{seen:?}");
 }
 
-/// The structs of a shader's uniforms, also in arrays, that nobody shares: what host code writes must be held against Rust.
+/// The structs of a shader's uniforms, also in arrays, that nobody shares: what host code writes must be compared with Rust.
 fn unshared_uniforms(module: &Module) -> Vec<String> {
     let shared = shared();
     let of_uniform = |(_, variable): (_, &naga::GlobalVariable)| {
@@ -89,7 +89,7 @@ fn unshared_uniforms(module: &Module) -> Vec<String> {
     found.filter(|name| !shared.contains_key(name.as_str())).collect()
 }
 
-/// Proves that every struct that is a uniform of any shader stands in the layouts of a crate; and, as negative controls, that
+/// Proves that every struct that is a uniform of any shader is in the layouts of a crate; and, as negative controls, that
 /// one that does not is noticed, by itself and in an array.
 #[test]
 fn every_uniform_is_shared() {
@@ -143,18 +143,22 @@ fn every_shader_validates() {
 /// that there are no others.
 #[test]
 fn entry_points_exist() {
-    let compute = |names: &[&'static str], size| names.iter().map(|name| (*name, ShaderStage::Compute, size)).collect();
+    let compute = |names: &[&'static str], size| -> Vec<_> {
+        names.iter().map(|name| (*name, ShaderStage::Compute, size)).collect()
+    };
     let raster = vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)];
+    let and_raster = |names: &[&'static str]| -> Vec<_> { [compute(names, 64), raster.clone()].concat() };
     let expected = |shader: &Shader| -> Vec<(&'static str, ShaderStage, u32)> {
         match (shader.file, shader.name) {
-            (_, "fragment-abuffer/boxes BOUND") => compute(&["bound"], 64),
             ("shared/raster_setup.wgsl", _) => {
                 vec![("find", ShaderStage::Compute, 64), ("deal", ShaderStage::Compute, 1)]
             }
             ("shared/nearest_compute.wgsl", _) => compute(&["draw"], 64),
             ("shared/nearest_resolve.wgsl", _) => compute(&["resolve"], 64),
             ("test/coverage_functions.wgsl", _) => compute(&["cover", "project"], 64),
-            (_, name) if name.split(' ').any(|definition| definition == "COMPUTE") => compute(&["draw"], 64),
+            ("fragment-abuffer/boxes.wgsl", _) => and_raster(&["bound", "draw"]),
+            ("dirt/fill.wgsl" | "fragment-abuffer/fill.wgsl" | "voxel-abuffer/fill.wgsl", _) => and_raster(&["draw"]),
+            ("quadtree/layers.wgsl" | "voxel-abuffer/planes.wgsl", _) => and_raster(&["draw"]),
             (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],
             ("bvh/refit.wgsl", _) => compute(&["fit"], 64),
             ("bvh/cluster.wgsl", _) => {
@@ -162,14 +166,12 @@ fn entry_points_exist() {
                 passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
             }
             ("bvh/leaves.wgsl", _) => compute(&["encode", "place", "fill"], 64),
-            ("bvh/convert.wgsl", _) => compute(&["convert"], 64),
             ("bvh/ray_query.wgsl", _) => compute(&["trace", "trace_counted", "find_own_triangle"], 64),
             ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
             ("shared/radix_sort.wgsl", _) => compute(&["count", "scatter"], 32),
-            ("shared/gather.wgsl", _) => compute(&["gather"], 64),
             ("shared/depth_pyramid.wgsl", _) => compute(&["reduce"], 64),
             ("shared/fixed_work.wgsl", _) => compute(&["work"], 64),
-            ("shared/means_probe.wgsl", _) => compute(&["gather", "search"], 64),
+            ("shared/launch_probe.wgsl", _) => compute(&["gather", "search"], 64),
             ("dirt/setup.wgsl", _) => compute(&["see", "list"], 64),
             ("dirt/part_lists.wgsl", _) => {
                 let passes = [
@@ -185,25 +187,21 @@ fn entry_points_exist() {
                 passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
             }
             ("dirt/part_trees.wgsl", _) => compute(&["bound", "size", "leaves", "join", "list", "join_masks"], 64),
-            ("dirt/trace.wgsl" | "dirt/packed_trace.wgsl" | "voxel-abuffer/trace.wgsl", _) => {
-                compute(&["trace", "trace_in_turns", "trace_unanswered"], 64)
-            }
-            ("dirt/store.wgsl", _) => compute(&["store"], 64),
+            (
+                "dirt/trace.wgsl"
+                | "dirt/packed_trace.wgsl"
+                | "fragment-abuffer/trace.wgsl"
+                | "quadtree/trace.wgsl"
+                | "voxel-abuffer/trace.wgsl",
+                _,
+            ) => compute(&["trace", "trace_unanswered"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
             ("dirt/shadow_map.wgsl", _) => compute(&["look_up"], 64),
-            ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),
-            ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
             ("fragment-abuffer/reorder_long.wgsl", _) => compute(&["reorder_long"], 256),
-            ("voxel-abuffer/average.wgsl", _) => compute(&["average"], 64),
-            ("voxel-abuffer/order.wgsl", _) => compute(&["order"], 64),
             ("voxel-abuffer/voxels.wgsl", _) => compute(&["trace"], 64),
             ("voxel-octree/voxelize.wgsl", _) => compute(&["measure", "count", "emit", "pad"], 64),
             ("voxel-octree/leaves.wgsl", _) => compute(&["mark", "gather", "sum", "finish"], 64),
             ("voxel-octree/levels.wgsl", _) => compute(&["mark", "join"], 64),
-            ("quadtree/thin.wgsl", _) => compute(&["thin"], 64),
-            ("quadtree/surfaces.wgsl", _) => compute(&["surfaces"], 64),
-            ("quadtree/bottom.wgsl", _) => compute(&["bottom"], 64),
-            ("quadtree/merge.wgsl", _) => compute(&["merge"], 64),
             ("test/quadtree_functions.wgsl", _) => {
                 compute(&["convert", "encode", "merge_children", "tell_levels", "find_slopes", "cross_cells"], 64)
             }
@@ -215,8 +213,14 @@ fn entry_points_exist() {
             ("test/reads_functions.wgsl", _) => compute(&["look_up"], 64),
             ("test/pyramid_functions.wgsl", _) => compute(&["descend", "gather_below", "sort_depths"], 64),
             ("bvh/binary.wgsl" | "bvh/cwbvh.wgsl", _) => compute(&["trace"], 64),
-            (file, _) if file.ends_with("/trace.wgsl") => compute(&["trace"], 64),
-            _ => raster.clone(),
+            ("dirt/fetch.wgsl" | "dirt/mask.wgsl" | "shared/nearest_raster.wgsl" | "shared/raster_probe.wgsl", _) => {
+                raster.clone()
+            }
+            // One that is called as its file is.
+            (file, _) => {
+                let name = file.rsplit('/').next().and_then(|name| name.strip_suffix(".wgsl")).unwrap();
+                vec![(name, ShaderStage::Compute, 64)]
+            }
         }
     };
     for shader in ALL {
@@ -266,7 +270,7 @@ fn constants_are_those_of_rust() {
             } else if name == "PRIVATE_STACK" {
                 let wide = shader.file == "bvh/cwbvh.wgsl";
                 assert_eq!(value as usize, if wide { WIDE_STACK } else { BINARY_STACK }, "{}", shader.name);
-            } else if name == "MOST_LEVELS" {
+            } else if name == "MAX_LEVELS" {
                 // Builds on the device rely on the stacks: a compressed level has room for three binary ones.
                 assert_eq!(value as usize, BINARY_STACK, "{}", shader.name);
                 assert!(value as usize <= 3 * WIDE_STACK);

@@ -42,7 +42,7 @@ fn build(subject: &Subject, family: Family, geometry: &Geometry, view: &Viewpoin
     let mut structure = subject.tracer.build(geometry, view, &subject.parameters, &mut clock).unwrap();
     clock.finish().unwrap();
     // Structures that are sized from counts may have to be built again.
-    if structure.make_room().unwrap() {
+    if structure.grow_on_overflow().unwrap() {
         let mut clock = PhaseClock::new(Some(&subject.gpu));
         structure.update(Update::Rebuild, geometry, view, &subject.parameters, &mut clock).unwrap();
         clock.finish().unwrap();
@@ -75,7 +75,7 @@ fn touched_is_a_part_of_what_is_stored() {
             assert!(!whole.is_empty() || name.starts_with("ray-query"), "{name}");
             let twice = count(&[rays, rays].concat());
             assert_eq!(touched(&twice), whole, "{name}");
-            let per_ray = all.iter().find(|counter| counter.greatest_per_ray.is_some()).unwrap();
+            let per_ray = all.iter().find(|counter| counter.max_per_ray.is_some()).unwrap();
             assert_eq!(total(&twice, per_ray.name), 2.0 * per_ray.total as f64, "{name}");
             for (index, (of, total)) in whole.iter().enumerate() {
                 let stored = statistics.iter().find(|(name, _)| Some(*name) == of.strip_suffix("_touched"));

@@ -66,8 +66,8 @@ fn reference(ray: &Ray, corners: &Corners) -> Option<Reference> {
     (determinant != 0.0 && weight_slack.is_finite()).then_some(Reference { t, weights, t_slack, weight_slack })
 }
 
-/// Pairs from scales at which products of three lengths vanish to those at which they overflow: aimed within, at edges, at corners and past; large, small, thin and slanting
-/// triangles; rays along axes.
+/// Pairs from scales at which products of three lengths vanish to those at which they overflow: aimed within, at edges, at corners and
+/// past; large, small, thin and slanting triangles; rays along axes.
 fn hostile_pairs() -> Vec<(Ray, Corners)> {
     let mut numbers = Numbers::new(51);
     let mut pairs = Vec::new();

@@ -3,13 +3,17 @@
 use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, RAYS, Shots, Sketch, Stage};
-use super::{Case, Feature, Knob, Probe, Setup};
+use super::sketch::{Camera, CaseRays, RAYS, Sketch, Stage};
+use super::{Case, DifficultyParameter, Feature, Probe, Setup};
 
 pub(super) const INSIDE: Case = Case {
     name: "eye-inside-object",
     summary: "the eye within a closed shell ever smaller than the scene; half of the rays start outside of it",
-    knob: Knob { name: "shell radius", unit: "diagonals", values: &[0.2, 0.05, 0.01, 0.004] },
+    difficulty_parameter: DifficultyParameter {
+        name: "shell radius",
+        unit: "diagonals",
+        values: &[0.2, 0.05, 0.01, 0.004],
+    },
     make: inside,
     feature: Feature {
         what: "hit the shell within a hundredth of the diagonal",
@@ -20,7 +24,7 @@ pub(super) const INSIDE: Case = Case {
 
 fn inside(radius: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
-    let mut shots = Shots::new(10);
+    let mut rays_made = CaseRays::new(10);
     sketch.widen([DVec3::splat(-2.0), DVec3::splat(2.0)]);
     let radius = radius * 48.0_f64.sqrt();
     sketch.sphere(DVec3::ZERO, radius, 6, || true);
@@ -29,13 +33,13 @@ fn inside(radius: f64) -> Result<Setup, TracerError> {
         sketch.plate_around(place, DVec3::new(0.12, 0.0, 0.02), DVec3::new(0.0, 0.14, -0.03));
     }
     let stage = sketch.seen_by(Camera::default())?;
-    shots.through_centres(&stage.view, RAYS / 2);
+    rays_made.through_centres(&stage.view, RAYS / 2);
     for _ in 0..RAYS / 2 {
-        let target = DVec3::new(shots.signed(), shots.signed(), -1.9);
-        let origin = target * 0.8 + 0.05 * shots.point();
-        shots.towards(origin, target);
+        let target = DVec3::new(rays_made.signed(), rays_made.signed(), -1.9);
+        let origin = target * 0.8 + 0.05 * rays_made.point();
+        rays_made.towards(origin, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// Nearer to the eye than the near distance that viewpoints get.
@@ -47,7 +51,11 @@ fn before_near(probe: &Probe<'_>, index: usize) -> bool {
 pub(super) const ON_SURFACE: Case = Case {
     name: "eye-on-surface",
     summary: "the eye ever closer above a floor",
-    knob: Knob { name: "height", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5] },
+    difficulty_parameter: DifficultyParameter {
+        name: "height",
+        unit: "diagonals",
+        values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5],
+    },
     make: on_surface,
     feature: Feature { what: "hit the floor before near", least: 0.2, has: before_near },
 };
@@ -59,13 +67,17 @@ fn on_surface(height: f64) -> Result<Setup, TracerError> {
     let normal = along.cross(upward).normalize();
     let floor = -normal * (height * 8.0_f64.sqrt());
     sketch.plate_around(floor, along, upward);
-    sketch.seen_by(Camera::default())?.through_centres(Shots::new(11))
+    sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(11))
 }
 
 pub(super) const AT_VERTEX: Case = Case {
     name: "eye-at-vertex",
     summary: "the eye ever closer to the tip of a cone that points at it",
-    knob: Knob { name: "distance", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5] },
+    difficulty_parameter: DifficultyParameter {
+        name: "distance",
+        unit: "diagonals",
+        values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5],
+    },
     make: at_vertex,
     feature: Feature { what: "hit the cone before near", least: 0.2, has: before_near },
 };
@@ -84,13 +96,17 @@ fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
     // Keeps the diagonal at about 2.5 and gives rays beside the cone something to hit.
     sketch.plate(DVec3::new(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
     sketch.speck(DVec3::new(0.6, 1.0, -0.5));
-    sketch.seen_by(Camera::default())?.through_centres(Shots::new(12))
+    sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(12))
 }
 
 pub(super) const BEFORE_NEAR: Case = Case {
     name: "before-near",
     summary: "a plate before half of the view, at last nearer than near",
-    knob: Knob { name: "depth", unit: "near distances", values: &[10.0, 1.5, 0.75, 0.25, 0.01] },
+    difficulty_parameter: DifficultyParameter {
+        name: "depth",
+        unit: "near distances",
+        values: &[10.0, 1.5, 0.75, 0.25, 0.01],
+    },
     make: nearer_than_near,
     feature: Feature { what: "hit what is nearer than near", least: 0.2, has: before_near },
 };
@@ -101,13 +117,17 @@ fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     sketch.plate(DVec3::new(-0.8, -0.4, -1.0) * depth, DVec3::new(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
     sketch.plate(DVec3::new(-1.1, -1.3, -3.0), DVec3::new(1.9, 0.0, 0.1), DVec3::new(0.0, 1.7, 0.2));
-    sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(Shots::new(13))
+    sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(CaseRays::new(13))
 }
 
 pub(super) const DEPTH_RANGE: Case = Case {
     name: "depth-range",
     summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
-    knob: Knob { name: "range", unit: "decades of depth", values: &[1.0, 2.0, 4.0, 6.0, 8.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "range",
+        unit: "decades of depth",
+        values: &[1.0, 2.0, 4.0, 6.0, 8.0],
+    },
     make: depth_range,
     feature: Feature {
         what: "hit at less than a hundred-thousandth of the greatest depth",
@@ -137,13 +157,17 @@ fn seen_by_decade(plates: &[[DVec3; 3]]) -> Result<Stage, TracerError> {
 }
 
 fn depth_range(decades: f64) -> Result<Setup, TracerError> {
-    seen_by_decade(&plates_by_decade(decades))?.through_centres(Shots::new(15))
+    seen_by_decade(&plates_by_decade(decades))?.through_centres(CaseRays::new(15))
 }
 
 pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
     name: "secondary-depth-ratio",
     summary: "rays from surfaces to deeper ones, in a view whose depths are ten times as deep from plate to plate",
-    knob: Knob { name: "range", unit: "decades of depth", values: &[1.0, 2.0, 4.0, 6.0, 8.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "range",
+        unit: "decades of depth",
+        values: &[1.0, 2.0, 4.0, 6.0, 8.0],
+    },
     make: secondary_depth_ratio,
     feature: Feature {
         what: "start at less than a hundred-thousandth of the depth of their hit",
@@ -161,32 +185,36 @@ const STARTED_ON: f64 = 3.0;
 fn secondary_depth_ratio(decades: f64) -> Result<Setup, TracerError> {
     let plates = plates_by_decade(decades);
     let stage = seen_by_decade(&plates)?;
-    let mut shots = Shots::new(27);
+    let mut rays_made = CaseRays::new(27);
     let deepest = plates.len() - 1;
     for index in 0..RAYS {
         // Of starts that are deeper ulps are as large as near plates, which truth could not tell.
-        let from = (shots.unit() * STARTED_ON.min(deepest as f64)) as usize;
-        let to = from + 1 + (shots.unit() * (deepest - from) as f64) as usize;
-        let on = |[corner, along, upward]: [DVec3; 3], shots: &mut Shots| {
-            corner + along * (0.1 + 0.8 * shots.unit()) + upward * (0.1 + 0.8 * shots.unit())
+        let from = (rays_made.unit() * STARTED_ON.min(deepest as f64)) as usize;
+        let to = from + 1 + (rays_made.unit() * (deepest - from) as f64) as usize;
+        let on = |[corner, along, upward]: [DVec3; 3], rays_made: &mut CaseRays| {
+            corner + along * (0.1 + 0.8 * rays_made.unit()) + upward * (0.1 + 0.8 * rays_made.unit())
         };
-        let (start, target) = (on(plates[from], &mut shots), on(plates[to], &mut shots));
+        let (start, target) = (on(plates[from], &mut rays_made), on(plates[to], &mut rays_made));
         // Off the surface, on the side away from the eye, by more than ties are told by.
         let lifted = start + DVec3::NEG_Z * (0.05 * start.z.abs());
         if index % 4 == 0 {
-            let aside = shots.direction();
-            shots.towards(lifted, lifted + DVec3::new(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
+            let aside = rays_made.direction();
+            rays_made.towards(lifted, lifted + DVec3::new(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
         } else {
-            shots.towards(lifted, target);
+            rays_made.towards(lifted, target);
         }
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const PLANE_THROUGH_EYE: Case = Case {
     name: "plane-through-eye",
     summary: "a ground along the world's axes that the eye sinks into: edge-on to the eye, and to every face along it; rays above it, up and down",
-    knob: Knob { name: "height over the ground", unit: "diagonals", values: &[0.1, 0.01, 1e-4, 1e-6, 0.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "height over the ground",
+        unit: "diagonals",
+        values: &[0.1, 0.01, 1e-4, 1e-6, 0.0],
+    },
     make: plane_through_eye,
     feature: Feature {
         what: "hit a plane that holds the eye",
@@ -199,22 +227,23 @@ pub(super) const PLANE_THROUGH_EYE: Case = Case {
 };
 
 fn plane_through_eye(height: f64) -> Result<Setup, TracerError> {
-    let mut shots = Shots::new(22);
+    let mut rays_made = CaseRays::new(22);
     let mut sketch = Sketch::default();
     // Not square, so that no edge between its triangles passes below the eye.
     sketch.plate(DVec3::new(-4.0, 0.0, 3.0), DVec3::X * 9.0, DVec3::NEG_Z * 8.0);
     for _ in 0..12 {
-        let centre = DVec3::new(3.0 * shots.signed(), 0.3 + shots.unit(), -1.0 + 2.5 * shots.signed());
+        let centre = DVec3::new(3.0 * rays_made.signed(), 0.3 + rays_made.unit(), -1.0 + 2.5 * rays_made.signed());
         sketch.plate_around(centre, DVec3::X * 0.25, DVec3::new(0.0, 0.1, 0.25));
     }
     let diagonal = DVec3::new(9.0, 1.4, 8.0).length();
     let eye = Vec3::new(0.0, (height * diagonal) as f32, 0.0);
     let stage = sketch.seen_by(Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() })?;
     for index in 0..RAYS {
-        let origin = DVec3::new(3.0 * shots.signed(), 0.2 + 1.5 * shots.unit(), -1.0 + 3.0 * shots.signed());
+        let origin =
+            DVec3::new(3.0 * rays_made.signed(), 0.2 + 1.5 * rays_made.unit(), -1.0 + 3.0 * rays_made.signed());
         let fall = if index % 4 == 0 { 0.5 } else { -1.5 };
-        let target = origin + DVec3::new(2.0 * shots.signed(), fall, 2.0 * shots.signed());
-        shots.towards(origin, target);
+        let target = origin + DVec3::new(2.0 * rays_made.signed(), fall, 2.0 * rays_made.signed());
+        rays_made.towards(origin, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }

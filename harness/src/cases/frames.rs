@@ -3,13 +3,17 @@
 use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError, View, Viewpoint};
 
-use super::sketch::{Camera, PIXEL, RAYS, Shots, Sketch, Stage};
-use super::{Case, Feature, Knob, Probe, Setup};
+use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch, Stage};
+use super::{Case, DifficultyParameter, Feature, Probe, Setup};
 
 pub(super) const CUBE_BORDERS: Case = Case {
     name: "cube-borders",
     summary: "rays from the eye and near it along the edges and corners between cube faces, onto a torn sphere",
-    knob: Knob { name: "off the border", unit: "parts of the distance", values: &[0.1, 0.01, 1e-4, 1e-6, 0.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "off the border",
+        unit: "parts of the distance",
+        values: &[0.1, 0.01, 1e-4, 1e-6, 0.0],
+    },
     make: cube_borders,
     feature: Feature {
         what: "run along a face's border",
@@ -24,35 +28,35 @@ pub(super) const CUBE_BORDERS: Case = Case {
 };
 
 fn cube_borders(off: f64) -> Result<Setup, TracerError> {
-    let mut shots = Shots::new(14);
+    let mut rays_made = CaseRays::new(14);
     let mut sketch = Sketch::default();
-    sketch.sphere(DVec3::ZERO, 2.0, 12, || shots.unit() < 0.75);
+    sketch.sphere(DVec3::ZERO, 2.0, 12, || rays_made.unit() < 0.75);
     let camera = Camera { vertical_fov: 2.0, ..Camera::default() };
     let stage = sketch.seen_by(camera)?;
     for index in 0..RAYS {
         let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
-        let corner = DVec3::new(sign(shots.signed()), sign(shots.signed()), sign(shots.signed()));
+        let corner = DVec3::new(sign(rays_made.signed()), sign(rays_made.signed()), sign(rays_made.signed()));
         let border = match index % 4 {
             0 => corner,
             // Anywhere on the border between two faces.
             axis => {
                 let along = [DVec3::X, DVec3::Y, DVec3::Z][axis - 1];
-                corner - along * corner.dot(along) + along * shots.signed()
+                corner - along * corner.dot(along) + along * rays_made.signed()
             }
         };
         let origin = if index % 3 == 0 { border.as_vec3().as_dvec3() * 0.25 } else { DVec3::ZERO };
-        let target = origin + border + shots.point() * off;
-        shots.towards(origin, target);
+        let target = origin + border + rays_made.point() * off;
+        rays_made.towards(origin, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// Plates in all depths, in view of the default camera.
-fn plates(stage_of: Camera, shots: &mut Shots, width: f64, height: f64) -> Result<Stage, TracerError> {
+fn plates(stage_of: Camera, rays_made: &mut CaseRays, width: f64, height: f64) -> Result<Stage, TracerError> {
     let mut sketch = Sketch::default();
     for _ in 0..24 {
-        let depth = 2.0 + 3.0 * shots.unit();
-        let centre = DVec3::new(shots.signed() * width, shots.signed() * height, -1.0) * depth;
+        let depth = 2.0 + 3.0 * rays_made.unit();
+        let centre = DVec3::new(rays_made.signed() * width, rays_made.signed() * height, -1.0) * depth;
         let (along, upward) =
             (DVec3::new(0.18 * width, 0.02 * height, 0.05), DVec3::new(-0.02 * width, 0.18 * height, 0.04 * height));
         sketch.plate_around(centre, along * depth, upward * depth);
@@ -63,7 +67,11 @@ fn plates(stage_of: Camera, shots: &mut Shots, width: f64, height: f64) -> Resul
 pub(super) const COARSE_FRAME: Case = Case {
     name: "coarse-frame",
     summary: "plates seen through ever fewer pixels, odd numbers of them, down to one; rays between pixel centres",
-    knob: Knob { name: "frame edge", unit: "pixels", values: &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "frame edge",
+        unit: "pixels",
+        values: &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0],
+    },
     make: coarse_frame,
     feature: Feature {
         what: "hit something smaller than a pixel",
@@ -77,19 +85,23 @@ pub(super) const COARSE_FRAME: Case = Case {
 
 fn coarse_frame(edge: f64) -> Result<Setup, TracerError> {
     let edge = edge as u32;
-    let mut shots = Shots::new(16);
-    let stage = plates(Camera { frame: [edge, edge], face: edge, ..Camera::default() }, &mut shots, 0.5, 0.5)?;
+    let mut rays_made = CaseRays::new(16);
+    let stage = plates(Camera { frame: [edge, edge], face: edge, ..Camera::default() }, &mut rays_made, 0.5, 0.5)?;
     for _ in 0..RAYS {
-        let target = DVec3::new(0.55 * shots.signed(), 0.55 * shots.signed(), -1.0);
-        shots.towards(DVec3::ZERO, target);
+        let target = DVec3::new(0.55 * rays_made.signed(), 0.55 * rays_made.signed(), -1.0);
+        rays_made.towards(DVec3::ZERO, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const WIDE_FRAME: Case = Case {
     name: "wide-frame",
     summary: "plates through ever wider and lower frames, to a single row; rays through pixel centres",
-    knob: Knob { name: "width", unit: "heights", values: &[1.0, 8.0, 64.0, 512.0, 4096.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "width",
+        unit: "heights",
+        values: &[1.0, 8.0, 64.0, 512.0, 4096.0],
+    },
     make: wide_frame,
     feature: Feature {
         what: "hit something in a frame of one row",
@@ -109,15 +121,19 @@ fn wide_frame(aspect: f64) -> Result<Setup, TracerError> {
     let height = 1.0 / aspect;
     // 90 degrees across, whatever the height.
     let vertical_fov = 2.0 * (height as f32).atan();
-    let mut shots = Shots::new(17);
-    plates(Camera { frame, face: 64, vertical_fov, ..Camera::default() }, &mut shots, 0.9, 0.9 * height)?
-        .through_centres(shots)
+    let mut rays_made = CaseRays::new(17);
+    plates(Camera { frame, face: 64, vertical_fov, ..Camera::default() }, &mut rays_made, 0.9, 0.9 * height)?
+        .through_centres(rays_made)
 }
 
 pub(super) const SURFACE_STARTS: Case = Case {
     name: "surface-starts",
     summary: "rays that start ever closer above a floor, before a wall, in any direction off it",
-    knob: Knob { name: "lift", unit: "diagonals", values: &[0.01, 1e-3, 1e-4, 1e-5, 2e-6] },
+    difficulty_parameter: DifficultyParameter {
+        name: "lift",
+        unit: "diagonals",
+        values: &[0.01, 1e-3, 1e-4, 1e-5, 2e-6],
+    },
     make: surface_starts,
     feature: Feature {
         what: "start within a hundred thousandth of a diagonal from the floor",
@@ -132,19 +148,23 @@ fn surface_starts(lift: f64) -> Result<Setup, TracerError> {
     sketch.plate(DVec3::new(-2.0, -1.0, -5.0), DVec3::X * 4.0, DVec3::Y * 2.5);
     let stage = sketch.seen_by(Camera::default())?;
     let lift = lift * stage.geometry.diagonal();
-    let mut shots = Shots::new(18);
+    let mut rays_made = CaseRays::new(18);
     for _ in 0..RAYS {
-        let origin = DVec3::new(1.2 * shots.signed(), -1.0 + lift, -3.5 + shots.signed());
-        let direction = shots.direction();
-        shots.towards(origin, origin + DVec3::new(direction.x, direction.y.abs(), direction.z));
+        let origin = DVec3::new(1.2 * rays_made.signed(), -1.0 + lift, -3.5 + rays_made.signed());
+        let direction = rays_made.direction();
+        rays_made.towards(origin, origin + DVec3::new(direction.x, direction.y.abs(), direction.z));
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const CELL_BORDERS: Case = Case {
     name: "cell-borders",
     summary: "rays whose image runs along a border between pixel columns or rows, ever closer to it",
-    knob: Knob { name: "off the border", unit: "pixels", values: &[0.4, 0.1, 0.01, 1e-3, 0.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "off the border",
+        unit: "pixels",
+        values: &[0.4, 0.1, 0.01, 1e-3, 0.0],
+    },
     make: cell_borders,
     feature: Feature {
         what: "start on a border",
@@ -159,30 +179,34 @@ pub(super) const CELL_BORDERS: Case = Case {
 };
 
 fn cell_borders(off: f64) -> Result<Setup, TracerError> {
-    let mut shots = Shots::new(19);
+    let mut rays_made = CaseRays::new(19);
     let mut sketch = Sketch::default();
     // A wall square to the view that fills half of it.
     sketch.plate(DVec3::new(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
     let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
         // A line of the image: pixel border and how far off it.
-        let line = (0.4 * shots.signed() * 256.0).round();
-        let side = if shots.unit() < 0.5 { off } else { -off };
+        let line = (0.4 * rays_made.signed() * 256.0).round();
+        let side = if rays_made.unit() < 0.5 { off } else { -off };
         let line = (line + side) * PIXEL;
-        let along = 0.45 * shots.signed();
-        let start = 1.0 + 2.5 * shots.unit();
-        let end = along + 0.3 * shots.signed();
+        let along = 0.45 * rays_made.signed();
+        let start = 1.0 + 2.5 * rays_made.unit();
+        let end = along + 0.3 * rays_made.signed();
         let on =
             |along: f64| if index % 2 == 0 { DVec3::new(line, along, -1.0) } else { DVec3::new(along, line, -1.0) };
-        shots.towards(on(along) * start, on(end) * 4.0);
+        rays_made.towards(on(along) * start, on(end) * 4.0);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const FACE_CELL_BORDERS: Case = Case {
     name: "face-cell-borders",
     summary: "the same along borders between pairs of pixels of a cube face whose centre is pulled back by near",
-    knob: Knob { name: "off the border", unit: "pixels", values: &[0.8, 0.1, 0.01, 1e-3, 0.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "off the border",
+        unit: "pixels",
+        values: &[0.8, 0.1, 0.01, 1e-3, 0.0],
+    },
     make: face_cell_borders,
     feature: Feature {
         what: "start on a border",
@@ -203,30 +227,34 @@ fn forward_face(viewpoint: &Viewpoint) -> View {
 }
 
 fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {
-    let mut shots = Shots::new(21);
+    let mut rays_made = CaseRays::new(21);
     let mut sketch = Sketch::default();
     sketch.plate(DVec3::new(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
     let stage = sketch.seen_by(Camera { near: Some(0.05), ..Camera::default() })?;
     let face = forward_face(&stage.viewpoint);
     let pixel = 2.0 * face.tan_half_width / f64::from(face.size[0]);
     for index in 0..RAYS {
-        let border = 2.0 * (0.2 * shots.signed() * 128.0).round();
-        let side = if shots.unit() < 0.5 { off } else { -off };
+        let border = 2.0 * (0.2 * rays_made.signed() * 128.0).round();
+        let side = if rays_made.unit() < 0.5 { off } else { -off };
         let line = (border + side) * pixel;
-        let along = 0.4 * shots.signed();
-        let start = 1.0 + 2.5 * shots.unit();
-        let end = along + 0.3 * shots.signed();
+        let along = 0.4 * rays_made.signed();
+        let start = 1.0 + 2.5 * rays_made.unit();
+        let end = along + 0.3 * rays_made.signed();
         let on =
             |along: f64| if index % 2 == 0 { DVec3::new(line, along, -1.0) } else { DVec3::new(along, line, -1.0) };
-        shots.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
+        rays_made.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const VIEW_CENTRE: Case = Case {
     name: "through-view-centre",
     summary: "rays from behind that pass ever closer by the eye and go on into the view, to a torn sphere",
-    knob: Knob { name: "distance from the eye", unit: "diagonals", values: &[0.02, 0.005, 1e-3, 1e-5, 0.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "distance from the eye",
+        unit: "diagonals",
+        values: &[0.02, 0.005, 1e-3, 1e-5, 0.0],
+    },
     make: view_centre,
     feature: Feature { what: "pass the eye within a millionth of the diagonal", least: 0.9, has: passes_the_eye },
 };
@@ -239,17 +267,17 @@ fn passes_the_eye(probe: &Probe<'_>, index: usize) -> bool {
 }
 
 fn view_centre(distance: f64) -> Result<Setup, TracerError> {
-    let mut shots = Shots::new(20);
+    let mut rays_made = CaseRays::new(20);
     let mut sketch = Sketch::default();
-    sketch.sphere(DVec3::ZERO, 2.0, 8, || shots.unit() < 0.7);
+    sketch.sphere(DVec3::ZERO, 2.0, 8, || rays_made.unit() < 0.7);
     let stage = sketch.seen_by(Camera { eye: Vec3::ZERO, ..Camera::default() })?;
     let distance = distance * stage.geometry.diagonal();
     for _ in 0..RAYS {
         // From behind the eye, so that every ray goes on into the view.
-        let forward = DVec3::new(0.45 * shots.signed(), 0.45 * shots.signed(), -1.0);
+        let forward = DVec3::new(0.45 * rays_made.signed(), 0.45 * rays_made.signed(), -1.0);
         let aside = forward.any_orthonormal_vector() * distance;
-        let origin = aside - forward * (0.2 + 0.8 * shots.unit());
-        shots.towards(origin, aside + forward);
+        let origin = aside - forward * (0.2 + 0.8 * rays_made.unit());
+        rays_made.towards(origin, aside + forward);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }

@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, RAYS, Shots, Sketch};
-use super::{Case, Feature, Knob, Setup};
+use super::sketch::{Camera, CaseRays, RAYS, Sketch};
+use super::{Case, DifficultyParameter, Feature, Setup};
 
 /// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
 pub(super) const VOXEL_EDGE: f64 = 1.0 / 64.0;
@@ -13,7 +13,11 @@ pub(super) const THIN_WALLS: Case = Case {
     name: "thin-walls",
     summary: "a closed room whose walls are ever thinner than a voxel of a 64-cubed grid; any hit is asked between its inside and \
               what lies outside",
-    knob: Knob { name: "wall", unit: "64ths of the scene", values: &[4.0, 1.0, 0.25, 0.06, 0.015] },
+    difficulty_parameter: DifficultyParameter {
+        name: "wall",
+        unit: "64ths of the scene",
+        values: &[4.0, 1.0, 0.25, 0.06, 0.015],
+    },
     make: thin_walls,
     feature: Feature {
         what: "meet both sides of a wall within a fifth of a voxel",
@@ -37,22 +41,27 @@ fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
     sketch.block(centre, [x, y, -z]);
     let camera = Camera { eye: Vec3::new(0.5, 0.5, 0.6), target: Vec3::new(0.5, 0.5, 0.0), ..Camera::default() };
     let stage = sketch.seen_by(camera)?;
-    let mut shots = Shots::new(28);
+    let mut rays_made = CaseRays::new(28);
     for index in 0..RAYS {
         // In view, before the wall that is seen.
-        let mut at = |depth: f64| stage.view.eye + depth * DVec3::new(0.4 * shots.signed(), 0.4 * shots.signed(), -1.0);
+        let mut at =
+            |depth: f64| stage.view.eye + depth * DVec3::new(0.4 * rays_made.signed(), 0.4 * rays_made.signed(), -1.0);
         let start = at(0.05 + 0.1 * (index % 7) as f64 / 7.0);
         // A quarter ends in the room; the others end at lamps outside.
         let target = if index % 4 == 0 { at(0.2) } else { at(1.0) };
-        shots.until(start, target);
+        rays_made.until(start, target);
     }
-    Ok(stage.with(shots, Query::Any))
+    Ok(stage.with(rays_made, Query::Any))
 }
 
 pub(super) const LONG_SCENE: Case = Case {
     name: "long-scene",
     summary: "blocks along a passage, at last a hundred times as long as it is wide, seen from its end",
-    knob: Knob { name: "length", unit: "widths", values: &[1.0, 4.0, 16.0, 50.0, 100.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "length",
+        unit: "widths",
+        values: &[1.0, 4.0, 16.0, 50.0, 100.0],
+    },
     make: long_scene,
     feature: Feature {
         what: "hit a block smaller than a 64th of the scene's diagonal",
@@ -68,7 +77,7 @@ fn long_scene(length: f64) -> Result<Setup, TracerError> {
     const CELLS: [u32; 3] = [2, 2, 2];
     const HALF_EDGE: f64 = 0.12;
     let mut sketch = Sketch::default();
-    let mut shots = Shots::new(29);
+    let mut rays_made = CaseRays::new(29);
     // The passage is 1 by 1 and begins before the eye, which near does not cut.
     let (low, high) = (DVec3::new(-0.5, -0.5, -0.5 - length), DVec3::new(0.5, 0.5, -0.5));
     sketch.widen([low, high]);
@@ -77,10 +86,10 @@ fn long_scene(length: f64) -> Result<Setup, TracerError> {
     for slice in 0..slices {
         for place in 0..CELLS[0] * CELLS[1] {
             let steps = [place % CELLS[0], place / CELLS[0], slice].map(|step| f64::from(step) + 0.5);
-            let centre = low + cell * DVec3::from(steps) + 0.04 * shots.point();
-            let (x, y) = shots.direction().any_orthonormal_pair();
+            let centre = low + cell * DVec3::from(steps) + 0.04 * rays_made.point();
+            let (x, y) = rays_made.direction().any_orthonormal_pair();
             sketch.block(centre, [x, y, x.cross(y)].map(|axis| axis * HALF_EDGE));
         }
     }
-    sketch.seen_by(Camera::default())?.through_centres(shots)
+    sketch.seen_by(Camera::default())?.through_centres(rays_made)
 }

@@ -4,13 +4,17 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
 use super::grids::VOXEL_EDGE;
-use super::sketch::{Camera, RAYS, Shots, Sketch};
-use super::{Case, Feature, Knob, Setup};
+use super::sketch::{Camera, CaseRays, RAYS, Sketch};
+use super::{Case, DifficultyParameter, Feature, Setup};
 
 pub(super) const VOXEL: Case = Case {
     name: "voxel-stack",
     summary: "stacks of plates in single voxels of a 64-cubed grid; rays from all around",
-    knob: Knob { name: "surfaces", unit: "a voxel", values: &[1.0, 2.0, 4.0, 8.0, 32.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "surfaces",
+        unit: "a voxel",
+        values: &[1.0, 2.0, 4.0, 8.0, 32.0],
+    },
     make: voxel,
     feature: Feature {
         what: "meet four surfaces within a voxel",
@@ -22,14 +26,14 @@ pub(super) const VOXEL: Case = Case {
 fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
     const STACKS: usize = 24;
     let mut sketch = Sketch::default();
-    let mut shots = Shots::new(5);
+    let mut rays_made = CaseRays::new(5);
     sketch.widen([DVec3::ZERO, DVec3::ONE]);
     let mut centres = Vec::new();
     for _ in 0..STACKS {
         // The middle of a voxel.
-        let centre = ((DVec3::splat(0.5) + 0.35 * shots.point()) / VOXEL_EDGE).floor() * VOXEL_EDGE;
+        let centre = ((DVec3::splat(0.5) + 0.35 * rays_made.point()) / VOXEL_EDGE).floor() * VOXEL_EDGE;
         let centre = centre + DVec3::splat(0.5 * VOXEL_EDGE);
-        let normal = shots.direction();
+        let normal = rays_made.direction();
         let (across, upward) = normal.any_orthonormal_pair();
         for layer in 0..surfaces as u32 {
             let height = ((f64::from(layer) + 0.5) / surfaces - 0.5) * 0.5 * VOXEL_EDGE;
@@ -47,17 +51,17 @@ fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
     };
     let stage = sketch.seen_by(camera)?;
     for index in 0..RAYS {
-        let target = centres[index % STACKS] + shots.point() * (0.35 * VOXEL_EDGE);
-        let origin = target + shots.direction() * 0.1;
-        shots.towards(origin, target);
+        let target = centres[index % STACKS] + rays_made.point() * (0.35 * VOXEL_EDGE);
+        let origin = target + rays_made.direction() * 0.1;
+        rays_made.towards(origin, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const EQUAL_TRIANGLES: Case = Case {
     name: "equal-triangles",
     summary: "one triangle thousands of times over: hierarchies over equal boxes grow deep, lists long",
-    knob: Knob { name: "copies", unit: "", values: &[16.0, 256.0, 1024.0, 4096.0] },
+    difficulty_parameter: DifficultyParameter { name: "copies", unit: "", values: &[16.0, 256.0, 1024.0, 4096.0] },
     make: equal_triangles,
     feature: Feature {
         what: "hit a triangle of which there are thousands",
@@ -72,16 +76,20 @@ fn equal_triangles(copies: f64) -> Result<Setup, TracerError> {
         sketch.triangle([[-1.0, -1.0, -3.0], [1.4, -0.8, -3.2], [0.1, 1.3, -2.7]].map(DVec3::from));
     }
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(22);
+    let mut rays_made = CaseRays::new(22);
     // Every ray is tested against every copy, several times over for its truth.
-    shots.through_centres(&stage.view, RAYS / 2);
-    Ok(stage.with(shots, Query::Closest))
+    rays_made.through_centres(&stage.view, RAYS / 2);
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const LAYERS: Case = Case {
     name: "stacked-layers",
     summary: "plates one behind another in the same pixels; half of the rays start among them",
-    knob: Knob { name: "layers", unit: "a pixel", values: &[1.0, 4.0, 32.0, 256.0, 2048.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "layers",
+        unit: "a pixel",
+        values: &[1.0, 4.0, 32.0, 256.0, 2048.0],
+    },
     make: layers,
     feature: Feature {
         what: "meet a hundred layers",
@@ -97,20 +105,20 @@ fn layers(layers: f64) -> Result<Setup, TracerError> {
         sketch.plate_around(DVec3::new(0.05, 0.05, depth), DVec3::new(0.8, 0.0, 0.001), DVec3::new(0.0, 0.8, 0.0));
     }
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(23);
-    shots.through_centres(&stage.view, RAYS / 2);
+    let mut rays_made = CaseRays::new(23);
+    rays_made.through_centres(&stage.view, RAYS / 2);
     for _ in 0..RAYS / 2 {
-        let origin = DVec3::new(0.6 * shots.signed(), 0.6 * shots.signed(), -3.0 + shots.signed());
-        let direction = shots.direction();
-        shots.towards(origin, origin + DVec3::new(direction.x * 0.3, direction.y * 0.3, direction.z));
+        let origin = DVec3::new(0.6 * rays_made.signed(), 0.6 * rays_made.signed(), -3.0 + rays_made.signed());
+        let direction = rays_made.direction();
+        rays_made.towards(origin, origin + DVec3::new(direction.x * 0.3, direction.y * 0.3, direction.z));
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const CROWD: Case = Case {
     name: "crowded-pixel",
     summary: "a cloud of tiny triangles within one pixel and one voxel; any hit is asked",
-    knob: Knob { name: "triangles", unit: "", values: &[8.0, 64.0, 512.0, 4096.0] },
+    difficulty_parameter: DifficultyParameter { name: "triangles", unit: "", values: &[8.0, 64.0, 512.0, 4096.0] },
     make: crowd,
     feature: Feature {
         what: "meet something less than a twentieth of a pixel wide",
@@ -124,7 +132,7 @@ pub(super) const CROWD: Case = Case {
 
 fn crowd(triangles: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
-    let mut shots = Shots::new(24);
+    let mut rays_made = CaseRays::new(24);
     // The middle of a pixel of the default camera at depth 4, a hundredth of a voxel of a scene this wide.
     let centre = DVec3::new(0.5, 0.5, 0.0) * (super::sketch::PIXEL * 4.0) - DVec3::Z * 4.0;
     let radius = 0.4 * super::sketch::PIXEL * 4.0;
@@ -132,18 +140,18 @@ fn crowd(triangles: f64) -> Result<Setup, TracerError> {
     // The more, the smaller: so that the cloud never becomes one solid thing.
     let size = 3.0 * radius / triangles.sqrt();
     for _ in 0..triangles as u32 {
-        let at = centre + shots.direction() * (radius * shots.unit());
-        let corners = [0, 1, 2].map(|_| at + shots.direction() * size);
+        let at = centre + rays_made.direction() * (radius * rays_made.unit());
+        let corners = [0, 1, 2].map(|_| at + rays_made.direction() * size);
         sketch.triangle(corners);
     }
     let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
-        let target = centre + shots.direction() * (radius * shots.unit());
+        let target = centre + rays_made.direction() * (radius * rays_made.unit());
         let origin = match index % 2 {
             0 => stage.view.eye,
-            _ => centre + shots.direction(),
+            _ => centre + rays_made.direction(),
         };
-        shots.towards(origin, target);
+        rays_made.towards(origin, target);
     }
-    Ok(stage.with(shots, Query::Any))
+    Ok(stage.with(rays_made, Query::Any))
 }

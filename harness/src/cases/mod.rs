@@ -1,4 +1,4 @@
-//! Minimal scenes with one difficulty each and a knob for its strength.
+//! Minimal scenes with one difficulty each and a difficulty parameter for its strength.
 //!
 //! A case is data: [`CASES`] has all of them.
 
@@ -18,7 +18,7 @@ pub use probe::Probe;
 
 /// What makes a case harder.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Knob {
+pub struct DifficultyParameter {
     /// What is turned.
     pub name: &'static str,
     /// Unit; empty for counts and ratios.
@@ -27,14 +27,14 @@ pub struct Knob {
     pub values: &'static [f64],
 }
 
-impl Knob {
+impl DifficultyParameter {
     /// Name and unit, for axes and tables.
     pub fn label(&self) -> String {
         label(self.name, self.unit)
     }
 }
 
-/// A knob's name with its unit, if it has one.
+/// A difficulty parameter's name with its unit, if it has one.
 pub(crate) fn label(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }
@@ -63,7 +63,7 @@ pub struct Feature {
 }
 
 /// Most ambiguous rays of a case at any strength, share of all rays: else it would measure nothing.
-pub const MOST_TIES: f64 = 0.06;
+pub const MAX_TIES: f64 = 0.06;
 
 /// A minimal scene with one difficulty.
 #[derive(Clone, Copy)]
@@ -73,8 +73,8 @@ pub struct Case {
     /// What it is, in one line.
     pub summary: &'static str,
     /// What makes it harder.
-    pub knob: Knob,
-    /// The scene at a value of the knob.
+    pub difficulty_parameter: DifficultyParameter,
+    /// The scene at a value of the difficulty parameter.
     pub make: fn(f64) -> Result<Setup, TracerError>,
     /// What shows the difficulty.
     pub feature: Feature,

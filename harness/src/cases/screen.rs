@@ -4,8 +4,8 @@
 use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, PIXEL, RAYS, Shots, Sketch};
-use super::{Case, Feature, Knob, Setup};
+use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
+use super::{Case, DifficultyParameter, Feature, Setup};
 use crate::truth::Ray64;
 
 /// Eye depth of the plate that floats before rays.
@@ -14,7 +14,11 @@ const FLOATING: f64 = 2.0;
 pub(super) const BEHIND_FOREGROUND: Case = Case {
     name: "behind-foreground",
     summary: "a thin plate floats in the view; three quarters of the rays pass behind it, ever closer, the others hit its front",
-    knob: Knob { name: "gap", unit: "diagonals", values: &[0.1, 0.03, 0.01, 0.003, 0.001] },
+    difficulty_parameter: DifficultyParameter {
+        name: "gap",
+        unit: "diagonals",
+        values: &[0.1, 0.03, 0.01, 0.003, 0.001],
+    },
     make: behind_foreground,
     feature: Feature {
         what: "pass behind the plate within 0.0015 diagonals",
@@ -34,27 +38,31 @@ fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
     sketch.plate_around(DVec3::NEG_Z * FLOATING, DVec3::X * HALF_WIDTH, DVec3::Y * 0.8);
     let stage = sketch.seen_by(Camera::default())?;
     let gap = gap * stage.geometry.diagonal();
-    let mut shots = Shots::new(30);
+    let mut rays_made = CaseRays::new(30);
     for index in 0..RAYS {
         if index % 4 == 0 {
-            let target = DVec3::new(0.9 * HALF_WIDTH * shots.signed(), 0.7 * shots.signed(), -FLOATING);
-            let from = DVec3::new(0.5 * shots.signed(), 0.3 * shots.signed(), -1.2);
-            shots.towards(from, target);
+            let target = DVec3::new(0.9 * HALF_WIDTH * rays_made.signed(), 0.7 * rays_made.signed(), -FLOATING);
+            let from = DVec3::new(0.5 * rays_made.signed(), 0.3 * rays_made.signed(), -1.2);
+            rays_made.towards(from, target);
         } else {
-            let behind = DVec3::new(0.9 * HALF_WIDTH * shots.signed(), 0.5 * shots.signed(), -FLOATING - gap);
+            let behind = DVec3::new(0.9 * HALF_WIDTH * rays_made.signed(), 0.5 * rays_made.signed(), -FLOATING - gap);
             let side = if index % 2 == 0 { 1.0 } else { -1.0 };
             // Over the plate's half width a fifth of the gap deeper or less deep.
-            let along = DVec3::new(side, 0.2 * shots.signed(), 0.2 * gap / HALF_WIDTH * shots.signed());
-            shots.towards(behind - along * 0.8, behind);
+            let along = DVec3::new(side, 0.2 * rays_made.signed(), 0.2 * gap / HALF_WIDTH * rays_made.signed());
+            rays_made.towards(behind - along * 0.8, behind);
         }
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const TOWARDS_CAMERA: Case = Case {
     name: "towards-camera",
     summary: "rays from behind onto a slanted plate, ever closer to the way to the eye, which shows them less of their way",
-    knob: Knob { name: "angle to the eye", unit: "degrees", values: &[60.0, 30.0, 10.0, 3.0, 0.5] },
+    difficulty_parameter: DifficultyParameter {
+        name: "angle to the eye",
+        unit: "degrees",
+        values: &[60.0, 30.0, 10.0, 3.0, 0.5],
+    },
     make: towards_camera,
     feature: Feature {
         what: "hit within a degree of the way to the eye",
@@ -77,18 +85,18 @@ fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
     // Finer than the reference pixels that hits are judged by.
     let stage = sketch.seen_by(Camera { frame: [1024, 1024], ..Camera::default() })?;
     let (aside, towards) = angle.to_radians().sin_cos();
-    let mut shots = Shots::new(31);
+    let mut rays_made = CaseRays::new(31);
     for index in 0..RAYS {
         // A third passes beside the plate.
-        let across = if index % 3 == 0 { 1.3 + 0.2 * shots.unit() } else { 0.9 * shots.signed() };
-        let side = if shots.unit() < 0.5 { 1.0 } else { -1.0 };
-        let target = centre + along * (across * side) + upward * (0.9 * shots.signed());
+        let across = if index % 3 == 0 { 1.3 + 0.2 * rays_made.unit() } else { 0.9 * rays_made.signed() };
+        let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
+        let target = centre + along * (across * side) + upward * (0.9 * rays_made.signed());
         let to_eye = (stage.view.eye - target).normalize();
-        let up = DVec3::Y * if shots.unit() < 0.5 { 1.0 } else { -1.0 };
+        let up = DVec3::Y * if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
         let square = (up - to_eye * up.dot(to_eye)).normalize();
-        shots.towards(target - (to_eye * towards + square * aside) * 1.2, target);
+        rays_made.towards(target - (to_eye * towards + square * aside) * 1.2, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// A post's right border, columns of the default frame: odd, so that the first cell of a pyramid has pixels of both its sides.
@@ -98,7 +106,11 @@ pub(super) const FOREGROUND_IN_CELL: Case = Case {
     name: "foreground-in-cell",
     summary: "a post stands far before rays that pass it in the image, ever closer: coarse cells of the image hold both; half of the \
               rays hit the wall behind, half nothing",
-    knob: Knob { name: "between post and ray", unit: "pixels", values: &[48.0, 16.0, 4.0, 1.0, 0.5] },
+    difficulty_parameter: DifficultyParameter {
+        name: "between post and ray",
+        unit: "pixels",
+        values: &[48.0, 16.0, 4.0, 1.0, 0.5],
+    },
     make: foreground_in_cell,
     feature: Feature {
         what: "have the post within a pixel and a half on the image",
@@ -120,15 +132,15 @@ fn foreground_in_cell(pixels: f64) -> Result<Setup, TracerError> {
     sketch.plate(DVec3::new(column(POST_BORDER - 28.0), -0.45, -1.0), DVec3::X * (28.0 * PIXEL), DVec3::Y * 0.9);
     sketch.plate(DVec3::new(-2.0, -2.0, -4.0), DVec3::X * 4.0, DVec3::Y * 4.0);
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(32);
+    let mut rays_made = CaseRays::new(32);
     for index in 0..RAYS {
-        let across = column(POST_BORDER + pixels + 0.9 * shots.unit());
-        let side = if shots.unit() < 0.5 { 1.0 } else { -1.0 };
-        let [low, high] = [-0.3, 0.3].map(|end| DVec3::new(across, side * (end + 0.08 * shots.signed()), -1.0));
+        let across = column(POST_BORDER + pixels + 0.9 * rays_made.unit());
+        let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
+        let [low, high] = [-0.3, 0.3].map(|end| DVec3::new(across, side * (end + 0.08 * rays_made.signed()), -1.0));
         let [near, far] = if index % 2 == 0 { [2.2, 4.2] } else { [3.0, 3.0] };
-        shots.towards(low * near, high * far);
+        rays_made.towards(low * near, high * far);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// Of long ways, pixels.
@@ -137,7 +149,11 @@ const LONG_FRAME: [u32; 2] = [6144, 24];
 pub(super) const LONG_RAYS: Case = Case {
     name: "long-rays",
     summary: "rays whose way on the image to a post is ever longer, at last longer than every budget of steps",
-    knob: Knob { name: "length", unit: "pixels", values: &[64.0, 200.0, 500.0, 2000.0, 5000.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "length",
+        unit: "pixels",
+        values: &[64.0, 200.0, 500.0, 2000.0, 5000.0],
+    },
     make: long_rays,
     feature: Feature {
         what: "cross more than 4096 pixels before they hit",
@@ -165,14 +181,14 @@ fn long_rays(length: f64) -> Result<Setup, TracerError> {
     let vertical_fov = 2.0 * ((height / width) as f32).atan();
     let camera = Camera { frame: LONG_FRAME, vertical_fov, target: Vec3::NEG_Z, ..Camera::default() };
     let stage = sketch.seen_by(camera)?;
-    let mut shots = Shots::new(33);
+    let mut rays_made = CaseRays::new(33);
     for index in 0..RAYS {
-        let column = POST[0] + 2.0 + 12.0 * shots.unit();
+        let column = POST[0] + 2.0 + 12.0 * rays_made.unit();
         // A quarter passes over the post.
-        let row = if index % 4 == 0 { 9.5 + 1.5 * shots.unit() } else { 7.0 * shots.signed() };
-        let from = row + 0.4 * shots.signed();
-        let origin = at(column - length, from) * (1.3 + 0.2 * shots.unit());
-        shots.towards(origin, at(column, row) * DEPTH);
+        let row = if index % 4 == 0 { 9.5 + 1.5 * rays_made.unit() } else { 7.0 * rays_made.signed() };
+        let from = row + 0.4 * rays_made.signed();
+        let origin = at(column - length, from) * (1.3 + 0.2 * rays_made.unit());
+        rays_made.towards(origin, at(column, row) * DEPTH);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }

@@ -43,7 +43,7 @@ impl Sketch {
         self.triangle([at, at + DVec3::X * edge, at + DVec3::Y * edge]);
     }
 
-    /// Widens the scene to bounds that no knob changes.
+    /// Widens the scene to bounds that no difficulty parameter changes.
     pub(super) fn widen(&mut self, ends: [DVec3; 2]) {
         ends.into_iter().for_each(|end| self.speck(end));
     }
@@ -148,23 +148,23 @@ pub(super) struct Stage {
 
 impl Stage {
     /// The whole case where rays are its ordinary ones: from the eye through pixel centres, for the closest hit.
-    pub(super) fn through_centres(self, mut shots: Shots) -> Result<Setup, TracerError> {
-        shots.through_centres(&self.view, RAYS);
-        Ok(self.with(shots, Query::Closest))
+    pub(super) fn through_centres(self, mut rays_made: CaseRays) -> Result<Setup, TracerError> {
+        rays_made.through_centres(&self.view, RAYS);
+        Ok(self.with(rays_made, Query::Closest))
     }
 
-    pub(super) fn with(self, shots: Shots, query: Query) -> Setup {
-        Setup { geometry: self.geometry, viewpoint: self.viewpoint, rays: shots.rays, query }
+    pub(super) fn with(self, rays_made: CaseRays, query: Query) -> Setup {
+        Setup { geometry: self.geometry, viewpoint: self.viewpoint, rays: rays_made.rays, query }
     }
 }
 
 /// Rays in the making, with the numbers that they are made from.
-pub(super) struct Shots {
+pub(super) struct CaseRays {
     stream: Stream,
     rays: Vec<Ray>,
 }
 
-impl Shots {
+impl CaseRays {
     /// `case` tells the cases' numbers apart.
     pub(super) fn new(case: u64) -> Self {
         Self { stream: Stream::new(1, 0x100, case), rays: Vec::new() }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, PIXEL, RAYS, Shots, Sketch};
-use super::{Case, Feature, Knob, Probe, Setup};
+use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
+use super::{Case, DifficultyParameter, Feature, Probe, Setup};
 
 /// Depth at which small things stand.
 const DEPTH: f64 = 4.0;
@@ -17,7 +17,11 @@ fn below_a_pixel(probe: &Probe<'_>, index: usize) -> bool {
 pub(super) const WIRES: Case = Case {
     name: "wires",
     summary: "slanted strips ever thinner than a pixel; rays from the eye between the frame's pixel centres",
-    knob: Knob { name: "width", unit: "pixels", values: &[4.0, 2.0, 1.0, 0.5, 0.2, 0.02] },
+    difficulty_parameter: DifficultyParameter {
+        name: "width",
+        unit: "pixels",
+        values: &[4.0, 2.0, 1.0, 0.5, 0.2, 0.02],
+    },
     make: wires,
     feature: Feature { what: "hit something thinner than half a pixel", least: 0.3, has: below_a_pixel },
 };
@@ -32,21 +36,21 @@ fn wires(width: f64) -> Result<Setup, TracerError> {
         sketch.plate(foot(wire), DVec3::X * width, slant);
     }
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(2);
+    let mut rays_made = CaseRays::new(2);
     for index in 0..RAYS as u32 {
-        let part = shots.unit();
+        let part = rays_made.unit();
         // Wires are never wider than the gaps between them.
         let across = if index % 2 == 0 { width * part } else { 0.075 + 0.085 * part };
-        let target = foot(index % WIRES) + DVec3::X * across + slant * (0.02 + 0.96 * shots.unit());
-        shots.towards(DVec3::ZERO, target);
+        let target = foot(index % WIRES) + DVec3::X * across + slant * (0.02 + 0.96 * rays_made.unit());
+        rays_made.towards(DVec3::ZERO, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const LEAVES: Case = Case {
     name: "leaves",
     summary: "triangles scattered in any pose, ever smaller than a pixel; half of the rays aim at one",
-    knob: Knob { name: "edge", unit: "pixels", values: &[16.0, 4.0, 1.0, 0.5, 0.1] },
+    difficulty_parameter: DifficultyParameter { name: "edge", unit: "pixels", values: &[16.0, 4.0, 1.0, 0.5, 0.1] },
     make: leaves,
     feature: Feature { what: "hit something smaller than half a pixel", least: 0.3, has: below_a_pixel },
 };
@@ -54,20 +58,20 @@ pub(super) const LEAVES: Case = Case {
 fn leaves(edge: f64) -> Result<Setup, TracerError> {
     let edge = edge * PIXEL * DEPTH;
     let mut sketch = Sketch::default();
-    let mut shots = Shots::new(3);
+    let mut rays_made = CaseRays::new(3);
     let mut centres = Vec::new();
     for _ in 0..300 {
-        let centre = DVec3::new(1.8 * shots.signed(), 1.8 * shots.signed(), -DEPTH + 0.5 * shots.signed());
-        let (across, upward) = shots.direction().any_orthonormal_pair();
+        let centre = DVec3::new(1.8 * rays_made.signed(), 1.8 * rays_made.signed(), -DEPTH + 0.5 * rays_made.signed());
+        let (across, upward) = rays_made.direction().any_orthonormal_pair();
         let corner = |x: f64, y: f64| centre + (across * x + upward * y) * edge;
         sketch.triangle([corner(-0.5, -0.29), corner(0.5, -0.29), corner(0.0, 0.58)]);
         centres.push(centre);
     }
     let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
-        let random = DVec3::new(1.8 * shots.signed(), 1.8 * shots.signed(), -DEPTH);
-        let near_leaf = centres[index % centres.len()] + shots.point() * (0.1 * edge);
-        shots.towards(DVec3::ZERO, if index % 2 == 0 { near_leaf } else { random });
+        let random = DVec3::new(1.8 * rays_made.signed(), 1.8 * rays_made.signed(), -DEPTH);
+        let near_leaf = centres[index % centres.len()] + rays_made.point() * (0.1 * edge);
+        rays_made.towards(DVec3::ZERO, if index % 2 == 0 { near_leaf } else { random });
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }

@@ -3,21 +3,25 @@
 use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, RAYS, Shots, Sketch};
-use super::{Case, Feature, Knob, Setup};
+use super::sketch::{Camera, CaseRays, RAYS, Sketch};
+use super::{Case, DifficultyParameter, Feature, Setup};
 
 pub(super) const EDGE_ON: Case = Case {
     name: "edge-on",
     summary: "a plate turned until it lies along the line of sight; rays cross it from the side",
-    knob: Knob { name: "slant", unit: "degrees", values: &[45.0, 80.0, 87.0, 89.0, 89.8, 89.98] },
+    difficulty_parameter: DifficultyParameter {
+        name: "slant",
+        unit: "degrees",
+        values: &[45.0, 80.0, 87.0, 89.0, 89.8, 89.98],
+    },
     make: edge_on,
     feature: Feature {
         what: "hit a surface seen at less than a degree",
         least: 0.3,
         has: |probe, index| {
             probe.hit(index).zip(probe.point(index)).is_some_and(|(hit, point)| {
-                let sight = (point - probe.view().eye).normalize();
-                probe.truth.normal(hit.primitive).dot(sight).abs() < 0.017
+                let sampling_model = (point - probe.view().eye).normalize();
+                probe.truth.normal(hit.primitive).dot(sampling_model).abs() < 0.017
             })
         },
     },
@@ -30,21 +34,25 @@ fn edge_on(slant: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     sketch.plate_around(centre, along, DVec3::Y);
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(1);
+    let mut rays_made = CaseRays::new(1);
     for index in 0..RAYS {
-        let origin = centre + DVec3::new(-1.5, 0.5, 0.5) + 0.4 * shots.point();
+        let origin = centre + DVec3::new(-1.5, 0.5, 0.5) + 0.4 * rays_made.point();
         // A third passes above the plate.
-        let height = if index % 3 == 0 { 1.2 + 0.5 * shots.unit() } else { 0.95 * shots.signed() };
-        let target = centre + along * (0.95 * shots.signed()) + DVec3::Y * height;
-        shots.towards(origin, target);
+        let height = if index % 3 == 0 { 1.2 + 0.5 * rays_made.unit() } else { 0.95 * rays_made.signed() };
+        let target = centre + along * (0.95 * rays_made.signed()) + DVec3::Y * height;
+        rays_made.towards(origin, target);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const SHEETS: Case = Case {
     name: "close-sheets",
     summary: "two parallel sheets ever closer together; half of the rays start midway between them",
-    knob: Knob { name: "gap", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 2e-5] },
+    difficulty_parameter: DifficultyParameter {
+        name: "gap",
+        unit: "diagonals",
+        values: &[0.1, 0.01, 1e-3, 1e-4, 2e-5],
+    },
     make: sheets,
     feature: Feature {
         what: "hit a sheet with the other one closer than a thousandth of the diagonal",
@@ -64,28 +72,32 @@ fn sheets(gap: f64) -> Result<Setup, TracerError> {
         sketch.plate_around(centre, DVec3::X, DVec3::Y);
     }
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(4);
+    let mut rays_made = CaseRays::new(4);
     for index in 0..RAYS {
-        let place = DVec3::new(shots.signed(), shots.signed(), 0.0);
+        let place = DVec3::new(rays_made.signed(), rays_made.signed(), 0.0);
         match index % 4 {
             // Steep enough to stay between the sheets for a few gaps only.
             0 | 1 => {
-                let side = if shots.unit() < 0.5 { 1.0 } else { -1.0 };
-                let slope = DVec3::new(shots.signed(), shots.signed(), 0.0) * 0.7;
+                let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
+                let slope = DVec3::new(rays_made.signed(), rays_made.signed(), 0.0) * 0.7;
                 let origin = place * 0.6 + DVec3::Z * (-1.0 - 0.5 * gap);
-                shots.towards(origin, origin + slope + DVec3::Z * side);
+                rays_made.towards(origin, origin + slope + DVec3::Z * side);
             }
-            2 => shots.towards(DVec3::ZERO, place * 0.5 + front),
-            _ => shots.towards(DVec3::ZERO, place.normalize_or(DVec3::X) * 2.5 + front),
+            2 => rays_made.towards(DVec3::ZERO, place * 0.5 + front),
+            _ => rays_made.towards(DVec3::ZERO, place.normalize_or(DVec3::X) * 2.5 + front),
         }
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const OPEN_MESH: Case = Case {
     name: "open-mesh",
     summary: "a sphere with triangles missing, seen through its holes: insides show, nothing is closed",
-    knob: Knob { name: "missing", unit: "share of triangles", values: &[0.05, 0.1, 0.25, 0.4, 0.6] },
+    difficulty_parameter: DifficultyParameter {
+        name: "missing",
+        unit: "share of triangles",
+        values: &[0.05, 0.1, 0.25, 0.4, 0.6],
+    },
     make: open_mesh,
     feature: Feature {
         what: "hit the sphere from its inside",
@@ -99,16 +111,20 @@ pub(super) const OPEN_MESH: Case = Case {
 const SPHERE: DVec3 = DVec3::new(0.0, 0.0, -2.6);
 
 fn open_mesh(missing: f64) -> Result<Setup, TracerError> {
-    let mut shots = Shots::new(6);
+    let mut rays_made = CaseRays::new(6);
     let mut sketch = Sketch::default();
-    sketch.sphere(SPHERE, 1.2, 6, || shots.unit() >= missing);
-    sketch.seen_by(Camera::default())?.through_centres(shots)
+    sketch.sphere(SPHERE, 1.2, 6, || rays_made.unit() >= missing);
+    sketch.seen_by(Camera::default())?.through_centres(rays_made)
 }
 
 pub(super) const HUGE: Case = Case {
     name: "huge-triangle",
     summary: "small pyramids on a floor of one triangle that is ever larger than what is seen of it",
-    knob: Knob { name: "edge", unit: "eye heights", values: &[10.0, 100.0, 1e3, 1e4, 1e5] },
+    difficulty_parameter: DifficultyParameter {
+        name: "edge",
+        unit: "eye heights",
+        values: &[10.0, 100.0, 1e3, 1e4, 1e5],
+    },
     make: huge,
     feature: Feature {
         what: "hit a triangle a thousand times as large as it is far",
@@ -127,9 +143,9 @@ fn huge(edge: f64) -> Result<Setup, TracerError> {
         floor + DVec3::new(edge, 0.0, edge),
         floor + DVec3::new(0.0, 0.0, -edge),
     ]);
-    let mut shots = Shots::new(7);
+    let mut rays_made = CaseRays::new(7);
     for _ in 0..40 {
-        let base = DVec3::new(3.0 * shots.signed(), -1.0, -3.0 + 2.0 * shots.signed());
+        let base = DVec3::new(3.0 * rays_made.signed(), -1.0, -3.0 + 2.0 * rays_made.signed());
         let corners =
             [DVec3::new(-0.2, 0.0, -0.15), DVec3::new(0.2, 0.0, -0.1), DVec3::new(0.0, 0.0, 0.2)].map(|x| base + x);
         let apex = base + DVec3::Y * 0.3;
@@ -138,13 +154,17 @@ fn huge(edge: f64) -> Result<Setup, TracerError> {
         }
     }
     let camera = Camera { target: Vec3::new(0.0, -0.3, -1.0), near: Some(0.01), ..Camera::default() };
-    sketch.seen_by(camera)?.through_centres(shots)
+    sketch.seen_by(camera)?.through_centres(rays_made)
 }
 
 pub(super) const NEEDLES: Case = Case {
     name: "needles",
     summary: "a plate cut into ever thinner triangles; every other ray aims at an edge between two of them",
-    knob: Knob { name: "length", unit: "widths", values: &[8.0, 32.0, 128.0, 1024.0, 8192.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "length",
+        unit: "widths",
+        values: &[8.0, 32.0, 128.0, 1024.0, 8192.0],
+    },
     make: needles,
     feature: Feature {
         what: "hit a triangle a thousand times as long as wide",
@@ -166,23 +186,23 @@ fn needles(length: f64) -> Result<Setup, TracerError> {
         sketch.triangle([start, end + upward, start + upward]);
     }
     let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(8);
+    let mut rays_made = CaseRays::new(8);
     for index in 0..RAYS {
-        let mut across = shots.unit();
+        let mut across = rays_made.unit();
         if index % 2 == 0 {
             across = (across * length).floor().max(1.0) / length;
         }
         // A quarter passes above.
-        let height = if index % 4 == 3 { 1.1 + 0.3 * shots.unit() } else { 0.02 + 0.96 * shots.unit() };
-        shots.towards(DVec3::ZERO, corner + along * across + upward * height);
+        let height = if index % 4 == 3 { 1.1 + 0.3 * rays_made.unit() } else { 0.02 + 0.96 * rays_made.unit() };
+        rays_made.towards(DVec3::ZERO, corner + along * across + upward * height);
     }
-    Ok(stage.with(shots, Query::Closest))
+    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const COPLANAR: Case = Case {
     name: "coplanar-copies",
     summary: "the same plate many times over in one plane",
-    knob: Knob { name: "copies", unit: "", values: &[1.0, 2.0, 4.0, 16.0, 64.0, 256.0] },
+    difficulty_parameter: DifficultyParameter { name: "copies", unit: "", values: &[1.0, 2.0, 4.0, 16.0, 64.0, 256.0] },
     make: coplanar,
     feature: Feature {
         what: "hit a triangle of which there are more than a hundred copies",
@@ -202,13 +222,17 @@ fn coplanar(copies: f64) -> Result<Setup, TracerError> {
     for _ in 0..copies as u32 {
         sketch.plate_around(DVec3::new(0.1, 0.1, -3.0), DVec3::new(1.2, 0.0, 0.3), DVec3::new(0.1, 1.2, -0.2));
     }
-    sketch.seen_by(Camera::default())?.through_centres(Shots::new(9))
+    sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(9))
 }
 
 pub(super) const FLAT_TILE: Case = Case {
     name: "flat-tile",
     summary: "a wall square to the view whose relief shrinks to nothing: tiles without any range of depth",
-    knob: Knob { name: "relief", unit: "diagonals", values: &[0.1, 0.01, 1e-4, 1e-6, 0.0] },
+    difficulty_parameter: DifficultyParameter {
+        name: "relief",
+        unit: "diagonals",
+        values: &[0.1, 0.01, 1e-4, 1e-6, 0.0],
+    },
     make: flat_tile,
     feature: Feature {
         what: "hit the wall at its one depth",
@@ -219,11 +243,11 @@ pub(super) const FLAT_TILE: Case = Case {
 
 fn flat_tile(relief: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
-    let mut shots = Shots::new(21);
+    let mut rays_made = CaseRays::new(21);
     for cell in 0..64 {
         let (column, row) = (f64::from(cell % 8), f64::from(cell / 8));
-        let depth = -3.0 + relief * 3.4 * shots.signed();
+        let depth = -3.0 + relief * 3.4 * rays_made.signed();
         sketch.plate(DVec3::new(-1.2 + 0.3 * column, -1.2 + 0.3 * row, depth), DVec3::X * 0.3, DVec3::Y * 0.3);
     }
-    sketch.seen_by(Camera::default())?.through_centres(shots)
+    sketch.seen_by(Camera::default())?.through_centres(rays_made)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use tracebench_api::{DeviceLimits, EndPoint};
+use tracebench_api::{DeviceLimits, TraceTo};
 use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::work::OutputArguments;
@@ -13,16 +13,16 @@ use super::{CliError, names};
 use crate::judge::WRONG_RAYS_PER_CAUSE;
 use crate::papers;
 use crate::peers::Subject;
-use crate::picture::What;
+use crate::picture::PictureKind;
 use crate::plan::{
     LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SAMPLING, SceneSource, TracerRequest, ViewRequest,
 };
-use crate::rays::{BETWEEN_SAMPLES, MOST_RAYS, RaySet, between_samples as image_between_samples};
-use crate::results::{Further, Sampling};
+use crate::rays::{BETWEEN_SAMPLES, MAX_RAYS, RaySet, between_samples as image_between_samples};
+use crate::results::{Adaptive, SampleSchedule};
 use crate::tables::{self, Table};
 
 /// Most frames of an animation: their vertices are all held at once.
-const MOST_FRAMES: i64 = 240;
+const MAX_FRAMES: i64 = 240;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
@@ -48,33 +48,33 @@ pub(super) struct TableArguments {
     /// (all that move, for a table over animations; for a paper's table those that stand for the paper's).
     #[arg(long)]
     pub scene: Option<OsString>,
-    #[arg(long, help = exact_tracer_help())]
+    #[arg(long, help = tables::tracer_help())]
     pub tracer: Option<String>,
     /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
     #[arg(long)]
     pub rays: Option<String>,
     /// Frames of the animation or of the camera's path after the first, for a table over either; 8 if not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub frames: Option<u32>,
-    /// Of a paper's table a part that takes seconds: few rows in room, of an eighth of its triangles, at half the resolution.
-    #[arg(long, conflicts_with_all = ["scene", "rays", "frames", "only", "tuned", "size", "frame", "face", "scale"])]
-    pub part: bool,
+    /// Few rows of a paper's table, too few to test its claims, in seconds: in room, of an eighth of its triangles, at half the resolution.
+    #[arg(long, conflicts_with_all = ["scene", "rays", "frames", "only", "tuned", "size", "frame_size", "face_size", "scale"])]
+    pub few_rows: bool,
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
     #[arg(long, value_name = "T.P=V,V")]
     pub only: Vec<String>,
-    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `sweep --choose` or the folder that holds it): they
-    /// have the value that is best from another viewpoint of the same scene.
+    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `sweep --choose` or the folder that
+    /// holds it): they have the value that is best from another viewpoint of the same scene.
     #[arg(long, value_name = "RUN")]
     pub tuned: Option<PathBuf>,
     /// Measures nothing: tells how long the table would take, by the rows of a run that have the same parameters; a file or the folder
     /// that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["from", "resume", "shard", "out"])]
     pub estimate: Option<PathBuf>,
-    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it. Claims are judged by any number of
-    /// runs of their paper's tables; those that none measures are listed with the table that would.
+    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it. Claims are judged by any number
+    /// of runs of their paper's tables; those that none measures are listed with the table that would.
     #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = [
-        "scene", "tracer", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
-        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned", "part", "means",
+        "scene", "tracer", "rays", "frames", "size", "frame_size", "face_size", "view", "animation_time", "scale", "settings", "adapter", "limits",
+        "preset", "samples", "ratio_precision", "time_limit", "seed", "resume", "shard", "only", "tuned", "few_rows", "launch",
     ])]
     pub from: Vec<PathBuf>,
     #[command(flatten)]
@@ -89,10 +89,10 @@ pub(super) struct WorkArguments {
     pub size: Option<[u32; 2]>,
     /// Resolution of the viewpoint's frame, from which structures take theirs.
     #[arg(long, value_name = "WxH", value_parser = frame)]
-    pub frame: Option<[u32; 2]>,
+    pub frame_size: Option<[u32; 2]>,
     /// Edge of the viewpoint's cube faces, pixels.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(LARGEST_FACE)))]
-    pub face: Option<u32>,
+    pub face_size: Option<u32>,
     #[command(flatten)]
     pub common: CommonArguments,
     /// Sets rays, resolutions, samples and scene scale: smoke, quick (default without a GPU) or paper (default on one).
@@ -100,13 +100,14 @@ pub(super) struct WorkArguments {
     pub preset: Option<String>,
     /// Counted samples of every time, so many whatever comes of them. With fewer than 12 no verdict rests on times.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000),
-          conflicts_with_all = ["interval", "time_limit"])]
+          conflicts_with_all = ["ratio_precision", "time_limit"])]
     pub samples: Option<u32>,
     /// Sample in whole rounds, at least 12, until every two tracers' ratio is known within so many percent; 15 if not given, but
     /// with --preset smoke.
     #[arg(long, value_name = "PERCENT", value_parser = interval)]
-    pub interval: Option<f64>,
-    /// The longest that a race (the builds, or one ray set, from one viewpoint) goes on for that, seconds; 20 if not given, but with
+    pub ratio_precision: Option<f64>,
+    /// The longest that an interleaved set (the builds, or one ray set, from one viewpoint) goes on for that, seconds; 20 if not given, but
+    /// with
     /// --preset smoke.
     #[arg(long, value_name = "SECONDS", value_parser = time_limit)]
     pub time_limit: Option<f64>,
@@ -115,8 +116,8 @@ pub(super) struct WorkArguments {
     pub seed: u64,
     /// How far traces go: hit (t, triangle and status of every ray) or surface (position, normal and material of what it
     /// hit, too).
-    #[arg(long, value_name = "hit|surface", default_value = "hit", value_parser = end)]
-    pub end: EndPoint,
+    #[arg(long, value_name = "hit|surface", default_value = "hit", value_parser = trace_to)]
+    pub trace_to: TraceTo,
     /// How many wrong rays of each cause a row keeps, evenly spaced among all of that cause.
     #[arg(long, value_name = "N", default_value_t = WRONG_RAYS_PER_CAUSE)]
     pub wrong_rays: usize,
@@ -125,7 +126,7 @@ pub(super) struct WorkArguments {
 }
 
 /// What a run is about, beside [`WorkArguments`].
-pub(super) struct Matter {
+pub(super) struct Selection {
     pub(super) scenes: Vec<SceneSource>,
     pub(super) tracers: Vec<TracerRequest>,
     pub(super) ray_sets: Vec<RaySet>,
@@ -134,7 +135,7 @@ pub(super) struct Matter {
     pub(super) between_samples: bool,
 }
 
-impl Matter {
+impl Selection {
     /// What the options of a verb name.
     pub(super) fn of(
         scenes: &OsStr,
@@ -154,7 +155,7 @@ pub(super) struct CommonArguments {
     pub view: Option<String>,
     /// Animation time; scenes that do not move are the same at every time.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
-    pub time: f64,
+    pub animation_time: f64,
     /// Factor on the triangles of procedural scenes, in place of the run preset's.
     #[arg(long, value_name = "FACTOR", value_parser = scale)]
     pub scale: Option<f64>,
@@ -191,8 +192,8 @@ pub(super) struct PictureArguments {
     #[arg(long)]
     pub tracer: String,
     /// What is drawn.
-    #[arg(long, value_enum, default_value_t = What::Shaded)]
-    pub what: What,
+    #[arg(long, value_enum, default_value_t = PictureKind::Shaded)]
+    pub what: PictureKind,
     /// Width and height of the picture, pixels; also the viewpoint's frame.
     #[arg(long, value_name = "WxH", value_parser = ray_image, default_value = "960x540")]
     pub size: [u32; 2],
@@ -235,14 +236,14 @@ fn frame(text: &str) -> Result<[u32; 2], String> {
 fn ray_image(text: &str) -> Result<[u32; 2], String> {
     let [width, height] = frame(text)?;
     let rays = u64::from(width) * u64::from(height);
-    if rays > MOST_RAYS {
-        return Err(format!("{rays} rays, {MOST_RAYS} are the most"));
+    if rays > MAX_RAYS {
+        return Err(format!("{rays} rays, {MAX_RAYS} are the most"));
     }
     Ok([width, height])
 }
 
-fn end(text: &str) -> Result<EndPoint, String> {
-    EndPoint::named(text).ok_or_else(|| "hit or surface".to_owned())
+fn trace_to(text: &str) -> Result<TraceTo, String> {
+    TraceTo::named(text).ok_or_else(|| "hit or surface".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -269,9 +270,9 @@ impl CommonArguments {
             ray_parameters: names::ray_values(&self.settings)?,
             preset: RunPreset { scene_scale: self.scale.unwrap_or(preset.scene_scale), ..preset },
             view: self.view(),
-            time_s: self.time,
+            time_s: self.animation_time,
             seed: 1,
-            end: EndPoint::Hit,
+            trace_to: TraceTo::Hit,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
             table: None,
         })
@@ -279,18 +280,14 @@ impl CommonArguments {
 }
 
 impl RunArguments {
-    pub(super) fn matter(&self) -> Result<Matter, CliError> {
-        Matter::of(&self.scene, names::tracers(&self.tracer, &self.work.common.settings), &self.rays)
+    pub(super) fn selection(&self) -> Result<Selection, CliError> {
+        Selection::of(&self.scene, names::tracers(&self.tracer, &self.work.common.settings), &self.rays)
     }
-}
-
-fn exact_tracer_help() -> String {
-    format!("Of table {} the tracers, as `run` takes them; {} if not given", tables::EXACT, tables::exact_tracer())
 }
 
 impl TableArguments {
     /// What a table is about: its own scenes, tracers and ray sets where nothing else is said.
-    pub(super) fn matter(&self, table: Table) -> Result<Matter, CliError> {
+    pub(super) fn selection(&self, table: Table) -> Result<Selection, CliError> {
         let settings = &self.work.common.settings;
         let listed = |name: &str| SceneSource::Catalogue(name.to_owned());
         let scenes = match (&self.scene, table) {
@@ -301,13 +298,13 @@ impl TableArguments {
                 .map(|entry| listed(entry.name))
                 .collect(),
             (None, Table::Claims(_)) => Vec::new(),
-            (None, Table::Exact) => names::scenes(OsStr::new("all"))?,
+            (None, Table::Study(_)) => names::scenes(OsStr::new("all"))?,
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Settings(peers) => names::peers(peers, settings)?,
             Table::Claims(_) => Vec::new(),
-            Table::Exact => names::tracers(self.tracer.as_deref().unwrap_or(&tables::exact_tracer()), settings)?,
+            Table::Study(study) => names::tracers(self.tracer.as_deref().unwrap_or(&(study.tracers)()), settings)?,
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;
@@ -318,42 +315,42 @@ impl TableArguments {
             "" => Vec::new(),
             list => names::ray_sets(list)?,
         };
-        Ok(Matter { scenes, tracers, ray_sets, table: Some(table.name()), between_samples: false })
+        Ok(Selection { scenes, tracers, ray_sets, table: Some(table.name()), between_samples: false })
     }
 }
 
 impl WorkArguments {
     /// How long times are sampled, in place of the preset's.
-    fn sampling(&self, preset: Sampling) -> Sampling {
-        match (self.samples, SAMPLING.further) {
-            (Some(samples), _) => Sampling::rounds(samples),
-            (None, Some(further)) if self.interval.is_some() || self.time_limit.is_some() => {
-                let Further { interval_share, time_limit_s } = preset.further.unwrap_or(further);
-                let further = Further {
-                    interval_share: self.interval.map_or(interval_share, |percent| percent / 100.0),
+    fn sampling(&self, preset: SampleSchedule) -> SampleSchedule {
+        match (self.samples, SAMPLING.adaptive) {
+            (Some(samples), _) => SampleSchedule::rounds(samples),
+            (None, Some(adaptive)) if self.ratio_precision.is_some() || self.time_limit.is_some() => {
+                let Adaptive { ratio_precision, time_limit_s } = preset.adaptive.unwrap_or(adaptive);
+                let adaptive = Adaptive {
+                    ratio_precision: self.ratio_precision.map_or(ratio_precision, |percent| percent / 100.0),
                     time_limit_s: self.time_limit.unwrap_or(time_limit_s),
                 };
-                Sampling { least_rounds: SAMPLING.least_rounds, further: Some(further) }
+                SampleSchedule { min_rounds: SAMPLING.min_rounds, adaptive: Some(adaptive) }
             }
             _ => preset,
         }
     }
 
     /// The plan, but for the preset, which waits for the adapter if it is not given.
-    pub(super) fn plan(&self, matter: Matter, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
-        let Matter { scenes, tracers, ray_sets, table, between_samples } = matter;
+    pub(super) fn plan(&self, selection: Selection, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
+        let Selection { scenes, tracers, ray_sets, table, between_samples } = selection;
         let view = self.common.view();
         let preset = match &self.preset {
             Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
             None => RunPreset::for_adapter(hardware()),
         };
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
-        let is_exact = table == Some(tables::EXACT);
-        // Nobody asks that table for times, and no set of it is to outweigh the others.
-        let preset = if is_exact { RunPreset { sampling: Sampling::rounds(1), ..preset } } else { preset };
-        let own = is_exact.then(|| "rays.pixel_random_count=2".to_owned()).into_iter();
+        let study = table.and_then(tables::study);
+        let is_timed = study.is_none_or(|study| study.is_timed);
+        let preset = if is_timed { preset } else { RunPreset { sampling: SampleSchedule::rounds(1), ..preset } };
+        let own = study.iter().flat_map(|study| study.settings).map(|setting| (*setting).to_owned());
         let settings: Vec<String> = own.chain(self.common.settings.iter().cloned()).collect();
-        let frame = self.frame.unwrap_or(preset.frame);
+        let frame = self.frame_size.unwrap_or(preset.frame);
         let own_image = match between_samples {
             true => image_between_samples(preset.ray_image, frame, BETWEEN_SAMPLES),
             false => preset.ray_image,
@@ -361,13 +358,13 @@ impl WorkArguments {
         let preset = RunPreset {
             ray_image: self.size.unwrap_or(own_image),
             frame,
-            face: self.face.unwrap_or(preset.face),
+            face: self.face_size.unwrap_or(preset.face),
             sampling: self.sampling(preset.sampling),
             scene_scale: self.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         };
         let ray_parameters = names::ray_values(&settings)?;
-        let time_s = self.common.time;
+        let time_s = self.common.animation_time;
         Ok(Plan {
             scenes,
             tracers,
@@ -377,7 +374,7 @@ impl WorkArguments {
             view,
             time_s,
             seed: self.seed,
-            end: self.end,
+            trace_to: self.trace_to,
             wrong_rays_per_cause: self.wrong_rays,
             table,
         })

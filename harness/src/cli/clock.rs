@@ -14,7 +14,7 @@ use crate::files::{self, OutputFolder};
 use crate::measure::{Context, Journal};
 use crate::plan::{RUN_PRESETS, RunPreset, SAMPLING};
 use crate::progress::Progress;
-use crate::results::{Provenance, Sampling};
+use crate::results::{Provenance, SampleSchedule};
 use crate::studies::clock::{self, ClockRecord, ClockTrial};
 use crate::truth::Cache;
 
@@ -32,13 +32,13 @@ pub(super) struct ClockArguments {
     /// Sets rays, resolutions and scene scale, not how long is sampled.
     #[arg(long, default_value = "quick", value_parser = RUN_PRESETS.map(|preset| preset.name))]
     preset: String,
-    /// Races, each of two that are the same and one that is slower.
+    /// Interleaved sets, each of two that are the same and one that is slower.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    races: u32,
+    interleaved_sets: u32,
     /// How much longer the slower one takes, percent: a multiple of 5.
     #[arg(long, value_name = "PERCENT", default_value_t = 15, value_parser = slowdown)]
     slowdown: u32,
-    /// Threads of another job that comes and goes beside the races.
+    /// Threads of another job that comes and goes beside the interleaved sets.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     load: u32,
     /// In place of that, record the times of four that are the same and append them to a file, a line a round: KIND, the fixed kernel,
@@ -52,7 +52,7 @@ pub(super) struct ClockArguments {
     /// once again.
     #[arg(long, value_name = "SEEDS", conflicts_with = "record", value_parser = clap::value_parser!(u64).range(2..=64))]
     fresh_rays: Option<u64>,
-    /// Rounds of a recording, or of every race; races go by the defaults of `run` if not given.
+    /// Rounds of a recording, or of every interleaved set; interleaved sets depend on the defaults of `run` if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     samples: Option<u32>,
     /// Folder for `clock.json`, what came of it; nothing is written if not given.
@@ -70,7 +70,7 @@ fn slowdown(text: &str) -> Result<u32, String> {
 pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(), CliError> {
     let tracers = names::tracers(arguments.tracer.as_deref().unwrap_or_default(), &arguments.common.settings)?;
     let [tracer] = tracers.as_slice() else {
-        return Err(CliError::Argument("--tracer: clock races one tracer against itself".to_owned()));
+        return Err(CliError::Argument("--tracer: clock measures one tracer against itself".to_owned()));
     };
     let ray_sets = names::ray_sets(&arguments.rays)?;
     if ray_sets.len() != 1 {
@@ -78,7 +78,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
     }
     let preset = RunPreset::named(&arguments.preset)
         .ok_or_else(|| CliError::Argument(format!("no preset '{}'", arguments.preset)))?;
-    let preset = RunPreset { sampling: arguments.samples.map_or(SAMPLING, Sampling::rounds), ..preset };
+    let preset = RunPreset { sampling: arguments.samples.map_or(SAMPLING, SampleSchedule::rounds), ..preset };
     let plan = arguments.common.plan_of_one(&arguments.scene, tracer, ray_sets, preset)?;
     let needed = needs_device(&plan.tracers);
     let device = open_device(&arguments.common.device, needed, needed)?;
@@ -99,7 +99,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
         Some(seeds) => clock::repeats(&plan, seeds, &context)?,
         None => {
             let slowed = clock::REPEATS + (arguments.slowdown / 5) as usize;
-            let tried = ClockTrial { races: arguments.races as usize, slowed, load };
+            let tried = ClockTrial { interleaved_sets: arguments.interleaved_sets as usize, slowed, load };
             clock::execute(&plan, tried, &context)?
         }
     };

@@ -8,7 +8,7 @@ use super::CliError;
 use super::output::{print, print_text};
 use crate::compare::{self, Comparison, DEFAULT_THRESHOLD};
 use crate::report;
-use crate::results::Run;
+use crate::results::Record;
 
 #[derive(Args)]
 pub(super) struct CompareArguments {
@@ -40,7 +40,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     for (path, run) in [&a, &b] {
         sound_times(run).map_err(|what| CliError::Other(format!("{path}: {what}")))?;
     }
-    let [by_a, by_b] = [&a.1, &b.1].map(|run| run.provenance.rules_version);
+    let [by_a, by_b] = [&a.1, &b.1].map(|record| record.provenance.rules_version);
     if by_a != by_b {
         return Err(CliError::Other(format!(
             "{} was measured by version {by_a} of the rules, {} by version {by_b}: measure both by one",
@@ -58,11 +58,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
 }
 
 /// That every row of a record that takes times has some: a row without would pass unseen.
-fn sound_times(run: &Run) -> Result<(), String> {
-    if run.is_untimed() {
+fn sound_times(record: &Record) -> Result<(), String> {
+    if record.is_untimed() {
         return Ok(());
     }
-    for one in &run.runs {
+    for one in &record.rows {
         let of_build = one.build.all().map(|times| ("its build".to_owned(), times));
         let of_traces = one.traces.iter().map(|trace| (trace.rays.clone(), &trace.times));
         for (what, times) in of_build.chain(of_traces) {

@@ -2,7 +2,7 @@
 
 use clap::{Arg, Args};
 use serde_json::json;
-use tracebench_api::{AdapterChoice, AdapterListing, Gpu, TracerError};
+use tracebench_api::{AdapterChoice, AdapterInfo, Gpu, TracerError};
 
 use super::CliError;
 use super::clock::{self, ClockArguments};
@@ -16,7 +16,7 @@ pub(super) struct DoctorArguments {
     /// As one JSON object.
     #[arg(long, conflicts_with = "clock")]
     json: bool,
-    /// Try the clock: race a tracer against itself, and against itself with more to do, and count what is said.
+    /// Try the clock: interleaved set a tracer against itself, and against itself with more to do, and count what is said.
     #[arg(long, requires = "tracer")]
     clock: bool,
     #[command(flatten)]
@@ -26,14 +26,14 @@ pub(super) struct DoctorArguments {
 /// What `doctor` takes without `--clock`.
 const WITHOUT_CLOCK: [&str; 6] = ["json", "clock", "adapter", "limits", "quiet", "until_stdin_ends"];
 
-/// Ties every option that is about the clock to `--clock`.
+/// Ambiguous rays every option that is about the clock to `--clock`.
 pub(super) fn options(option: Arg) -> Arg {
     let is_free = WITHOUT_CLOCK.iter().any(|name| option.get_id() == name);
     if is_free { option } else { option.requires("clock") }
 }
 
 /// What this machine lacks, each with what to do, by the device that a run would take.
-fn missing(adapters: &[AdapterListing], opened: &Result<Gpu, TracerError>) -> Vec<[String; 2]> {
+fn missing(adapters: &[AdapterInfo], opened: &Result<Gpu, TracerError>) -> Vec<[String; 2]> {
     let gpu = match opened {
         Ok(gpu) => gpu,
         Err(error) => return vec![["a device; tracers of the host run without".to_owned(), error.to_string()]],
@@ -69,7 +69,7 @@ pub(super) fn doctor(arguments: &DoctorArguments, progress: &Progress) -> Result
     let gpu = opened.as_ref().ok();
     // Without what a probe would have to find out.
     let machine = Machine { adapter: gpu.map(|gpu| gpu.listing.clone()), ..machine::this_machine(None) };
-    let is_taken = |of: &AdapterListing| {
+    let is_taken = |of: &AdapterInfo| {
         let taken = |gpu: &Gpu| (&gpu.listing.name, &gpu.listing.backend) == (&of.name, &of.backend);
         gpu.is_some_and(taken)
     };
@@ -83,7 +83,7 @@ pub(super) fn doctor(arguments: &DoctorArguments, progress: &Progress) -> Result
     let memory = machine.memory_bytes.map_or_else(String::new, |bytes| format!(", {} MiB of memory", mib(bytes)));
     let mut text = format!("{}, {} threads{memory}, {}\n", machine.cpu, machine.threads, machine.os);
     for (number, adapter) in adapters.iter().enumerate() {
-        let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
+        let AdapterInfo { name, kind, backend, driver, driver_version, .. } = adapter;
         text += &format!("{number}: {name} ({kind}, {backend}, driver {driver} {driver_version})\n");
     }
     if let (Some(number), Some(adapter)) = (taken, &machine.adapter) {

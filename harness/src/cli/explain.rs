@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use clap::Args;
 use serde_json::Value;
 
-use super::arguments::{Matter, WorkArguments};
+use super::arguments::{Selection, WorkArguments};
 use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
@@ -32,7 +32,7 @@ pub(super) struct ExplainArguments {
 }
 
 fn explainable(tracer: &Registration) -> bool {
-    !tracer.ladder.is_empty()
+    !tracer.remedies.is_empty()
 }
 
 impl ExplainArguments {
@@ -44,32 +44,37 @@ impl ExplainArguments {
         }
     }
 
-    fn matter(&self) -> Result<Matter, CliError> {
-        Matter::of(&self.scene, self.request().map(|request| vec![request]), &self.rays)
+    fn selection(&self) -> Result<Selection, CliError> {
+        Selection::of(&self.scene, self.request().map(|request| vec![request]), &self.rays)
     }
 }
 
 pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Result<(), CliError> {
     let request = arguments.request()?;
-    let ladder = request.registration.ladder;
-    if ladder.is_empty() {
+    let remedies = request.registration.remedies;
+    if remedies.is_empty() {
         let known: Vec<_> = TRACERS.iter().filter(|each| explainable(each)).map(Registration::name).collect();
         return Err(CliError::Argument(format!(
-            "--tracer: {} has no ladder of causes; there is one of: {}",
+            "--tracer: {} has no remedy sequence; there is one of: {}",
             request.name(),
             known.join(", ")
         )));
     }
-    if arguments.work.samples.is_some() || arguments.work.interval.is_some() || arguments.work.time_limit.is_some() {
-        return Err(CliError::Argument("--samples, --interval, --time-limit: explain takes no times".to_owned()));
+    if arguments.work.samples.is_some()
+        || arguments.work.ratio_precision.is_some()
+        || arguments.work.time_limit.is_some()
+    {
+        return Err(CliError::Argument(
+            "--samples, --ratio-precision, --time-limit: explain takes no times".to_owned(),
+        ));
     }
-    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Untimed, progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Untimed, progress)?;
     // By the means that it has here.
     let request = &work.plan.tracers[0];
     let plan = described("explain", std::slice::from_ref(&work.plan), Value::Null);
-    let execute = |context: &Context<'_>| explain::execute(&work.plan, request, ladder, context);
-    let run = work.bench.measure(&plan, progress, execute)?;
-    let Some(found) = &run.explanation else { return Ok(()) };
+    let execute = |context: &Context<'_>| explain::execute(&work.plan, request, remedies, context);
+    let record = work.bench.measure(&plan, progress, execute)?;
+    let Some(found) = &record.explanation else { return Ok(()) };
     let page = work.bench.out.path().join(report::EXPLAIN_PAGE);
     print_page(&page, Some("## By scene"))?;
     let open: Vec<String> = found
@@ -80,7 +85,7 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
     match open.is_empty() {
         true => Ok(()),
         false => Err(CliError::Other(format!(
-            "rays are wrong on the last rung and no known cause explains them: {}",
+            "rays are wrong on the last step and no known cause explains them: {}",
             open.join(", ")
         ))),
     }

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use itertools::Itertools as _;
 use serde_json::{Value, json};
-use tracebench_api::{Description, Domain, ParameterDescription, Preset, Query};
+use tracebench_api::{Domain, ParameterDescription, Preset, Query, TracerDescription};
 use tracebench_scenes::CatalogueEntry;
 
 use super::CliError;
@@ -12,7 +12,7 @@ use crate::cases::{CASES, Case};
 use crate::plan::TracerRequest;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
-use crate::tables::{self, Table};
+use crate::tables::Table;
 
 #[derive(Args)]
 pub(super) struct ListArguments {
@@ -62,7 +62,7 @@ fn tracers() -> Vec<Value> {
     TRACERS.iter().map(item).collect()
 }
 
-fn tracer_text(description: &Description) -> String {
+fn tracer_text(description: &TracerDescription) -> String {
     let parameter = |parameter: &ParameterDescription| {
         let (value, range) = value_and_range(parameter);
         let ParameterDescription { name, improved, effect, .. } = parameter;
@@ -150,15 +150,22 @@ fn rays() -> Vec<Value> {
 
 fn cases() -> Vec<Value> {
     let item = |case: &Case| {
-        let knob = json!({ "name": case.knob.name, "unit": case.knob.unit, "values": case.knob.values });
-        json!({ "name": case.name, "summary": case.summary, "knob": knob })
+        let difficulty_parameter = json!({ "name": case.difficulty_parameter.name, "unit": case.difficulty_parameter.unit, "values": case.difficulty_parameter.values });
+        json!({ "name": case.name, "summary": case.summary, "difficulty_parameter": difficulty_parameter })
     };
     CASES.iter().map(item).collect()
 }
 
 fn case_text(case: &Case) -> String {
-    let values: Vec<String> = case.knob.values.iter().map(f64::to_string).collect();
-    format!("{:<20} {}\n{:20} {}: {}\n", case.name, case.summary, "", case.knob.label(), values.join(", "))
+    let values: Vec<String> = case.difficulty_parameter.values.iter().map(f64::to_string).collect();
+    format!(
+        "{:<20} {}\n{:20} {}: {}\n",
+        case.name,
+        case.summary,
+        "",
+        case.difficulty_parameter.label(),
+        values.join(", ")
+    )
 }
 
 /// Labels of a table's rows, as `--tracer` takes them; each once, however many steps have it.
@@ -173,10 +180,10 @@ fn rows(table: Table) -> Vec<String> {
         format!("{}{preset}{own}", request.name())
     };
     let requests = match table {
-        Table::Settings(peers) => peers.contenders(),
+        Table::Settings(peers) => peers.configs(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
         Table::Claims(_) => Vec::new(),
-        Table::Exact => return vec![tables::exact_tracer()],
+        Table::Study(study) => return vec![(study.tracers)()],
     };
     requests.iter().map(row).unique().collect()
 }
@@ -190,7 +197,7 @@ fn tables() -> Vec<Value> {
         match table {
             Table::Settings(peers) if peers.reference().is_empty() => {}
             Table::Settings(peers) => item["reference"] = json!(peers.reference()),
-            Table::Exact => {}
+            Table::Study(_) => {}
             Table::Claims(paper) => item["paper"] = json!(paper.name),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);

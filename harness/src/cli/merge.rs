@@ -30,19 +30,21 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
     let read = |path: &PathBuf| Ok((path.display().to_string(), report::read_run(path)?));
     let shards = arguments.shards.iter().map(read).collect::<Result<Vec<_>, CliError>>()?;
     let whole = merge(shards).map_err(|error| CliError::Other(error.to_string()))?;
-    if whole.runs.is_empty() {
+    if whole.rows.is_empty() {
         return Err(CliError::Other("nothing was measured in any shard".to_owned()));
     }
     let folder = OutputFolder::open(&arguments.out)?;
     folder.check_all(report::may_be_written)?;
     let is_same = match report::read_run(folder.path()) {
-        Ok(run) => run.provenance.shard.is_none() && run.provenance.plan_sha256 == whole.provenance.plan_sha256,
+        Ok(record) => {
+            record.provenance.shard.is_none() && record.provenance.plan_sha256 == whole.provenance.plan_sha256
+        }
         Err(ReportError::Missing { .. }) => !Journal::is_in(folder.path()),
         Err(_) => false,
     };
     if !is_same {
         let out = arguments.out.display();
-        return Err(CliError::Argument(format!("{out} holds another run: choose another folder with --out")));
+        return Err(CliError::Argument(format!("{out} holds another record: choose another folder with --out")));
     }
     let written = report::write_run(&whole, &folder, tables::of_run)?;
     report::take_pictures(&whole, &arguments.shards, &folder)?;

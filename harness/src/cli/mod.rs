@@ -72,8 +72,8 @@ enum Verb {
     Need(need::NeedArguments),
     /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
     Reproduce(reproduce::ReproduceArguments),
-    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a paper
-    /// claims beside what was measured, with a verdict on every claim.
+    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a
+    /// paper claims beside what was measured, with a verdict on every claim.
     Table(arguments::TableArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
@@ -132,9 +132,8 @@ pub fn main() -> ExitCode {
     let command_line = match CommandLine::try_parse() {
         Ok(command_line) => command_line,
         Err(error) => {
-            let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
             // Help and version come this way too; clap knows which stream and status each needs.
-            match renames::answer(&error, &words) {
+            match renames::answer(&error) {
                 Some(answer) => progress::to_stderr(&answer),
                 None => drop(error.print()),
             }

@@ -7,6 +7,7 @@ use itertools::Itertools as _;
 use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
+use super::renames::{self, Kind};
 use crate::cases::{self, CASES, Case};
 use crate::papers::Experiment;
 use crate::peers;
@@ -62,7 +63,7 @@ pub(super) fn scenes(list: &OsStr) -> Result<Vec<SceneSource>, CliError> {
     Ok(found)
 }
 
-/// Gives files whose scenes would have the name of another one as much of the ends of their paths as tells them apart.
+/// Gives files whose scenes would have the name of another one as much of the ends of their paths as distinguishes them.
 fn tell_apart(sources: &mut [SceneSource]) {
     let names: Vec<String> = sources.iter().map(|source| source.name().to_owned()).collect();
     let shared = |index: usize| names.iter().filter(|name| **name == names[index]).count() > 1;
@@ -188,7 +189,7 @@ fn idle(settings: &[String], requests: &[TracerRequest]) -> Option<CliError> {
 
 /// The tracers of a table with `--set` values on top; none is required, since nobody has named it.
 pub(super) fn peers(table: &peers::Table, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
-    let mut requests = table.contenders();
+    let mut requests = table.configs();
     apply_all(settings, &mut requests)?;
     // A value that is set may be one that the table has a row of its own for.
     let mut different: Vec<TracerRequest> = Vec::new();
@@ -236,7 +237,10 @@ pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Resul
 /// A table by name.
 pub(super) fn table(name: &str) -> Result<Table, CliError> {
     let known: Vec<&str> = Table::all().map(Table::name).collect();
-    Table::find(name).ok_or_else(|| unknown("table", name, &known))
+    Table::find(name).ok_or_else(|| match renames::renamed(|kind| kind == Kind::Table, name) {
+        Some(is) => CliError::Argument(format!("table {is}")),
+        None => unknown("table", name, &known),
+    })
 }
 
 /// What `--set` says about ray sets.
@@ -298,6 +302,10 @@ fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
 fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), CliError> {
     let description = (request.registration.describe)();
     let known = description.parameters;
+    let is_known = known.iter().any(|each| each.name == parameter);
+    if let Some(is) = renames::renamed(|kind| kind == Kind::Parameter && !is_known, parameter) {
+        return Err(CliError::Argument(format!("{}: {is}", description.name)));
+    }
     request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
 }
 
@@ -400,7 +408,7 @@ mod tests {
         assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());
     }
 
-    /// A tracer may stand in a list several times with values of its own, which `--set` does not touch and the label
+    /// A tracer may are in a list several times with values of its own, which `--set` does not touch and the label
     /// tells; what is wrong with one is said as of `--set`.
     #[test]
     fn tracers_have_values_of_their_own() {

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use clap::Args;
 use serde_json::Value;
 
-use super::arguments::{Matter, WorkArguments};
+use super::arguments::{Selection, WorkArguments};
 use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
@@ -30,14 +30,14 @@ pub(super) struct NeedArguments {
 }
 
 impl NeedArguments {
-    fn matter(&self) -> Result<Matter, CliError> {
+    fn selection(&self) -> Result<Selection, CliError> {
         let tracers = names::tracers(&self.tracer, &self.work.common.settings);
-        Ok(Matter { between_samples: true, ..Matter::of(&self.scene, tracers, &self.rays)? })
+        Ok(Selection { between_samples: true, ..Selection::of(&self.scene, tracers, &self.rays)? })
     }
 }
 
 pub(super) fn need(arguments: &NeedArguments, progress: &Progress) -> Result<(), CliError> {
-    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("need", std::slice::from_ref(&work.plan), Value::Null);
     work.bench.measure(&plan, progress, |context| need::execute(&work.plan, required, context))?;

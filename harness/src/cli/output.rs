@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::CliError;
 
 /// The most lines that a verb ends with.
-const MOST_LINES: usize = 25;
+const MAX_LINES: usize = 25;
 
 /// Writes a text that ends in a line break. A reader that has gone away (`| head`) has seen what it wanted; a full disk
 /// is an error.
@@ -29,12 +29,12 @@ pub(super) fn print_json(value: &Value) -> Result<(), CliError> {
 
 /// Prints a text of which nothing is written: whole, but in a terminal as much as has room.
 pub(super) fn print_text(text: &str) -> Result<(), CliError> {
-    if std::io::stdout().is_terminal() { print(&beginning(text, MOST_LINES)) } else { print(text) }
+    if std::io::stdout().is_terminal() { print(&beginning(text, MAX_LINES)) } else { print(text) }
 }
 
 /// Prints an answer, as much of it as has room, and where the page is that has all.
 pub(super) fn print_end(answer: &str, page: &Path) -> Result<(), CliError> {
-    print(&format!("{}{}\n", beginning(answer, MOST_LINES - 1), page.display()))
+    print(&format!("{}{}\n", beginning(answer, MAX_LINES - 1), page.display()))
 }
 
 /// Prints the answer of a page that was written, and where it is.
@@ -96,8 +96,8 @@ mod tests {
         assert_eq!(beginning(&text(4), 3), "0\n1\n... 2 more lines\n");
     }
 
-    /// Proves that the answer is the title, the warnings and what stands from the heading on that is named, or from that of the first table,
-    /// and that a page without tables is its own answer.
+    /// Proves that the answer is the title, the warnings and what stands from the heading on that is named, or from that of the first
+    /// table, and that a page without tables is its own answer.
     #[test]
     fn pages_are_answered_from_their_first_table() {
         let page = "# Title\n\n- Machine: x\n\n**Software.**\n\nWords.\n\n## Room\n\n![a](b.svg)\n\nBefore:\n\n| a |\n| --- |\n\n## Claims\n\n| b |\n";

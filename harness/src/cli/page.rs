@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::CliError;
 use crate::files::OutputFolder;
 use crate::progress::Progress;
-use crate::report::{self as reports, MOST_BYTES, Makers};
-use crate::results::Run;
+use crate::report::{self as reports, MAX_BYTES, Makers};
+use crate::results::Record;
 use crate::{papers, tables};
 
 const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
@@ -22,23 +22,23 @@ pub(super) fn write(
 ) -> Result<(), CliError> {
     spares(file)?;
     folder.check(name)?;
-    let mut records: Vec<(String, Run)> = Vec::new();
+    let mut records: Vec<(String, Record)> = Vec::new();
     for path in paths {
         if let Some(name) = claims_alone(path) {
             progress.say(&format!("{}: {name} is judged again by the records of its tables", path.display()));
             continue;
         }
-        let run = reports::read_run(path)?;
-        for name in reports::kept::others(path, &run) {
+        let record = reports::read_run(path)?;
+        for name in reports::kept::others(path, &record) {
             progress
                 .say(&format!("left out: {name} beside {} is not the picture that its record names", path.display()));
         }
-        records.push((path.display().to_string(), run));
+        records.push((path.display().to_string(), record));
     }
     if records.is_empty() {
         return Err(CliError::Argument("claims alone are no record: give those of the tables, too".to_owned()));
     }
-    let page = reports::html_page(&records, &missing, MAKERS, &command(file, paths), MOST_BYTES)?;
+    let page = reports::html_page(&records, &missing, MAKERS, &command(file, paths), MAX_BYTES)?;
     folder.write(name, page.html.as_bytes())?;
     for what in &page.dropped {
         progress.say(&format!("left out for want of room: {what}"));

@@ -5,14 +5,14 @@ use std::ffi::OsString;
 use clap::Args;
 use serde_json::json;
 
-use super::arguments::{Matter, WorkArguments};
+use super::arguments::{Selection, WorkArguments};
 use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
-use crate::studies::pareto::{DEFAULT_POINTS, Extent, MOST_POINTS, Pareto, RAYS_PER_PIXEL};
+use crate::studies::pareto::{DEFAULT_POINTS, Extent, MAX_POINTS, Pareto, RAYS_PER_PIXEL};
 
 #[derive(Args)]
 pub(super) struct ParetoArguments {
@@ -27,7 +27,7 @@ pub(super) struct ParetoArguments {
     rays: String,
     /// The most points of a tracer, over its parameters and resolutions; fewer are the first of more.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_POINTS as u32, allow_negative_numbers = true,
-          value_parser = clap::value_parser!(u32).range(1..=MOST_POINTS as i64))]
+          value_parser = clap::value_parser!(u32).range(1..=MAX_POINTS as i64))]
     points: u32,
     /// Rays a pixel of which the time of a frame is told, with the build; several with commas.
     #[arg(long, value_name = "K,K", value_delimiter = ',', value_parser = rays_per_pixel, default_values_t = RAYS_PER_PIXEL)]
@@ -37,7 +37,7 @@ pub(super) struct ParetoArguments {
 }
 
 /// More frames than these have no room on a page.
-const MOST_FRAMES: usize = 3;
+const MAX_FRAMES: usize = 3;
 
 fn rays_per_pixel(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|rays: &f64| (0.001..=1e6).contains(rays));
@@ -45,19 +45,19 @@ fn rays_per_pixel(text: &str) -> Result<f64, String> {
 }
 
 impl ParetoArguments {
-    fn matter(&self) -> Result<Matter, CliError> {
+    fn selection(&self) -> Result<Selection, CliError> {
         let tracers = names::tracers(&self.tracer, &self.work.common.settings);
-        Ok(Matter { between_samples: true, ..Matter::of(&self.scene, tracers, &self.rays)? })
+        Ok(Selection { between_samples: true, ..Selection::of(&self.scene, tracers, &self.rays)? })
     }
 
     fn extent(&self) -> Result<Extent, CliError> {
         let mut rays_per_pixel = self.rays_per_pixel.clone();
         rays_per_pixel.sort_by(f64::total_cmp);
         rays_per_pixel.dedup();
-        if rays_per_pixel.len() > MOST_FRAMES {
-            return Err(CliError::Argument(format!("--rays-per-pixel: {MOST_FRAMES} numbers are the most")));
+        if rays_per_pixel.len() > MAX_FRAMES {
+            return Err(CliError::Argument(format!("--rays-per-pixel: {MAX_FRAMES} numbers are the most")));
         }
-        Ok(Extent { most_points: self.points as usize, rays_per_pixel })
+        Ok(Extent { max_points: self.points as usize, rays_per_pixel })
     }
 }
 
@@ -65,13 +65,13 @@ pub(super) fn pareto(arguments: &ParetoArguments, progress: &Progress) -> Result
     // Arguments are checked before any device or file is touched.
     let extent = arguments.extent()?;
     let refused = |error: crate::studies::sweep::SweepError| CliError::Argument(error.to_string());
-    Pareto::new(&arguments.work.plan(arguments.matter()?, || false)?, &extent).map_err(refused)?;
-    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
-    // By the means and the preset that it has here.
+    Pareto::new(&arguments.work.plan(arguments.selection()?, || false)?, &extent).map_err(refused)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
+    // By the launch settings and the preset that it has here.
     let pareto = Pareto::new(&work.plan, &extent).map_err(refused).inspect_err(|_| work.bench.out.abandon())?;
     progress.say(&format!("{} points", pareto.len()));
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
-    let words = json!({ "most_points": extent.most_points, "rays_per_pixel": extent.rays_per_pixel });
+    let words = json!({ "max_points": extent.max_points, "rays_per_pixel": extent.rays_per_pixel });
     let plan = described("pareto", std::slice::from_ref(&work.plan), words);
     work.bench.measure(&plan, progress, |context| pareto.execute(required, context))?;
     print_page(&work.bench.out.path().join(report::PARETO_PAGE), None)
@@ -92,7 +92,7 @@ mod tests {
     fn parse(arguments: &[&str]) -> Result<(Extent, usize), String> {
         let line = Line::try_parse_from([&["pareto"], arguments].concat()).map_err(|error| error.to_string())?;
         let extent = line.pareto.extent().map_err(|error| error.to_string())?;
-        let plan = line.pareto.matter().and_then(|matter| line.pareto.work.plan(matter, || false));
+        let plan = line.pareto.selection().and_then(|selection| line.pareto.work.plan(selection, || false));
         let pareto = Pareto::new(&plan.map_err(|error| error.to_string())?, &extent);
         Ok((extent, pareto.map_err(|error| error.to_string())?.len()))
     }

@@ -2,44 +2,61 @@
 
 use clap::error::{ContextKind, ContextValue};
 
-/// A word that has gone.
-struct Rename {
-    /// The verb that an option was of; none of a verb.
-    of: Option<&'static str>,
-    /// The word.
-    was: &'static str,
-    /// What stands for it now.
-    is: &'static str,
+/// What a word that has gone was.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Verb,
+    /// An option, of this verb among others.
+    Option(&'static str),
+    /// A tracer's parameter.
+    Parameter,
+    Table,
+    /// A variable of the environment.
+    Variable,
 }
 
-const fn verb(was: &'static str, is: &'static str) -> Rename {
-    Rename { of: None, was, is }
-}
-
-/// Every word that has gone.
-const RENAMES: &[Rename] = &[
-    verb("adapters", "doctor"),
-    verb("clock", "doctor --clock"),
-    verb("claims", "table NAME-claims --from RUN..."),
-    verb("tune", "sweep --choose RULE"),
-    verb("docs", "cargo run --release --example figures"),
+/// Every word that has gone, with what stands for it now.
+const RENAMES: &[(Kind, &str, &str)] = &[
+    (Kind::Verb, "adapters", "doctor"),
+    (Kind::Verb, "clock", "doctor --clock"),
+    (Kind::Verb, "claims", "table NAME-claims --from RUN..."),
+    (Kind::Verb, "tune", "sweep --choose RULE"),
+    (Kind::Verb, "docs", "cargo run --release --example figures"),
+    (Kind::Option("run"), "--end", "--trace-to"),
+    (Kind::Option("run"), "--frame", "--frame-size"),
+    (Kind::Option("run"), "--face", "--face-size"),
+    (Kind::Option("run"), "--time", "--animation-time"),
+    (Kind::Option("run"), "--interval", "--ratio-precision"),
+    (Kind::Option("run"), "--means", "--launch"),
+    (Kind::Option("table"), "--part", "--few-rows"),
+    (Kind::Option("doctor"), "--races", "--interleaved-sets"),
+    (Kind::Parameter, "reads", "memory_access"),
+    (Kind::Table, "means", "launch-settings"),
+    (Kind::Variable, "TRACEBENCH_MEANS", "TRACEBENCH_LAUNCH"),
 ];
 
+/// What stands now for a word that could not be read, if it is one that has gone.
+pub(super) fn renamed(is_kind: impl Fn(Kind) -> bool, word: &str) -> Option<String> {
+    let (_, was, is) = RENAMES.iter().find(|(kind, was, _)| is_kind(*kind) && *was == word)?;
+    Some(format!("`{was}` is `{is}` now; docs/renames.md has all that changed"))
+}
+
 /// What stands now for the word at which the command line could not be read, if it is one that has gone.
-pub(super) fn answer(error: &clap::Error, words: &[String]) -> Option<String> {
+pub(super) fn answer(error: &clap::Error) -> Option<String> {
     let unknown = |kind| match error.get(kind) {
         Some(ContextValue::String(word)) => Some(word.as_str()),
         _ => None,
     };
-    let verb = unknown(ContextKind::InvalidSubcommand);
-    let word = verb.or_else(|| unknown(ContextKind::InvalidArg))?;
-    let of = |rename: &&Rename| match rename.of {
-        None => verb.is_some(),
-        Some(of) => words.iter().any(|word| word == of),
-    };
-    let Rename { of, was, is } = RENAMES.iter().filter(of).find(|rename| rename.was == word)?;
-    let was = of.map_or_else(|| (*was).to_owned(), |of| format!("{of} {was}"));
-    Some(format!("error: `{was}` is `{is}` now; docs/renames.md has all that changed"))
+    let verb = unknown(ContextKind::InvalidSubcommand).and_then(|word| renamed(|kind| kind == Kind::Verb, word));
+    let is_option = |kind| matches!(kind, Kind::Option(_));
+    let found = verb.or_else(|| renamed(is_option, unknown(ContextKind::InvalidArg)?))?;
+    Some(format!("error: {found}"))
+}
+
+/// A variable of the environment that is set and has gone, with what stands for it now.
+pub(super) fn variable() -> Option<String> {
+    let set = |(kind, was, _): &&(Kind, &str, &str)| *kind == Kind::Variable && std::env::var_os(was).is_some();
+    RENAMES.iter().find(set).and_then(|(kind, was, _)| renamed(|other| other == *kind, was))
 }
 
 #[cfg(test)]
@@ -47,31 +64,33 @@ mod tests {
     use clap::Parser as _;
 
     use super::*;
-    use crate::cli::CommandLine;
+    use crate::cli::{CommandLine, names};
 
-    /// Proves that every word that has gone is answered with what stands for it now, which the program takes, and stands in docs/renames.md;
+    /// Proves that every word that has gone is answered with what stands for it now, which the program takes, and is in docs/renames.md;
     /// and that another word is not answered so.
     #[test]
     fn every_old_word_is_answered() {
         let page = include_str!("../../../docs/renames.md");
-        let answer = |words: &[&str]| {
-            let words: Vec<String> = ["tracebench"].iter().chain(words).map(|word| (*word).to_owned()).collect();
-            CommandLine::try_parse_from(&words).err().and_then(|error| answer(&error, &words))
-        };
-        for Rename { of, was, is } in RENAMES {
-            let words: Vec<&str> = of.iter().copied().chain([*was]).collect();
-            let said = answer(&words).unwrap_or_default();
-            assert!(said.contains(&format!("`{}` is `{is}` now", words.join(" "))), "{words:?}: {said}");
-            assert!(page.contains(&format!("| `{}` | `{is}` |", words.join(" "))), "docs/renames.md has no {words:?}");
-            if is.starts_with("cargo ") {
-                continue;
-            }
-            let help = [&is.split(' ').take(1).collect::<Vec<_>>()[..], &["--help"]].concat();
-            let found =
-                CommandLine::try_parse_from([&["tracebench"][..], &help].concat()).err().map(|error| error.to_string());
+        let read = |words: &[&str]| CommandLine::try_parse_from([&["tracebench"], words].concat()).err();
+        let answer = |words: &[&str]| read(words).and_then(|error| answer(&error));
+        for (kind, was, is) in RENAMES {
+            assert!(page.contains(&format!("| `{was}` | `{is}` |")), "docs/renames.md has no {was}");
+            let said = match kind {
+                Kind::Verb => answer(&[was]),
+                Kind::Option(of) => answer(&[of, was]),
+                Kind::Parameter => names::tracers(&format!("dirt@{was}=x"), &[]).err().map(|error| error.to_string()),
+                Kind::Table => names::table(was).err().map(|error| error.to_string()),
+                Kind::Variable => renamed(|other| other == *kind, was),
+            };
+            assert!(said.unwrap_or_default().contains(&format!("`{was}` is `{is}` now")), "{was}");
+            let verb = match kind {
+                Kind::Verb if !is.starts_with("cargo ") => is.split(' ').next().unwrap(),
+                Kind::Option(of) => of,
+                _ => continue,
+            };
+            let help = read(&[verb, "--help"]).map(|error| error.to_string()).unwrap_or_default();
             let options = is.split(' ').filter(|word| word.starts_with("--"));
-            let found = found.unwrap_or_default();
-            options.for_each(|option| assert!(found.contains(option), "{is}: {found}"));
+            options.for_each(|option| assert!(help.contains(option), "{is}: {help}"));
         }
         assert_eq!((answer(&["no-such"]), answer(&["run", "--no-such"])), (None, None));
     }

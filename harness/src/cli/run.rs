@@ -13,7 +13,7 @@ use crate::picture;
 use crate::plan::RunPreset;
 use crate::progress::Progress;
 use crate::rays::RAY_SETS;
-use crate::results::Sampling;
+use crate::results::SampleSchedule;
 use crate::{report as reports, tables};
 
 #[derive(Args)]
@@ -21,25 +21,26 @@ pub(super) struct ReportArguments {
     /// Records: run.json files, plain or compressed by gzip, of whatever verb, or the folders that hold them.
     #[arg(required = true, value_name = "RECORD")]
     paths: Vec<PathBuf>,
-    /// Write one page of all records here, which needs no other file: who to take, fronts, tables, claims, causes. Nothing else is made then.
+    /// Write one page of all records here, which needs no other file: which to choose, fronts, tables, claims, causes. Nothing else is made
+    /// then.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
-    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
-    let run = work.measure("run", progress)?;
-    print_end(&reports::run_table(&run), &work.bench.out.path().join("summary.md"))?;
-    all_measured(&work.plan, &run)
+    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
+    let record = work.measure("run", progress)?;
+    print_end(&reports::run_table(&record), &work.bench.out.path().join("summary.md"))?;
+    all_measured(&work.plan, &record)
 }
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {
     let Some(file) = &arguments.html else {
         for path in &arguments.paths {
-            let run = reports::read_run(path)?;
+            let record = reports::read_run(path)?;
             let folder = OutputFolder::open(&folder_of(path))?;
             refuse_others(folder.path(), std::iter::once(path))?;
-            print_written(&reports::write_derived(&run, &folder, tables::of_run)?)?;
+            print_written(&reports::write_derived(&record, &folder, tables::of_run)?)?;
         }
         return Ok(());
     };
@@ -57,7 +58,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
     let [tracer] = tracers.as_slice() else {
         return Err(CliError::Argument("picture takes one tracer".to_owned()));
     };
-    let (size, sampling) = (arguments.size, Sampling::rounds(1));
+    let (size, sampling) = (arguments.size, SampleSchedule::rounds(1));
     let preset = RunPreset { ray_image: size, frame: size, sampling, ..RunPreset::for_adapter(false) };
     let primary = RAY_SETS.iter().filter(|set| set.name == "primary").copied().collect();
     let plan = arguments.common.plan_of_one(&arguments.scene, tracer, primary, preset)?;

@@ -58,8 +58,8 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     let tracers: Vec<_> = requests.iter().map(words).collect();
     let names: Vec<&str> = cases.iter().map(|case| case.name).collect();
     let plan = described("stability", &[], json!({ "cases": names, "tracers": tracers }));
-    let run = bench.measure(&plan, progress, |context| stability::run(&cases, &requests, context))?;
-    let Some(found) = Stability::of(&run) else { return Ok(()) };
+    let record = bench.measure(&plan, progress, |context| stability::run(&cases, &requests, context))?;
+    let Some(found) = Stability::of(&record) else { return Ok(()) };
     let written = bench.out.path().join(report::STABILITY_TABLE);
     let surprises = found.surprises().len();
     let said = if surprises == 0 { "All as expected.".to_owned() } else { format!("{surprises} unexpected.") };
@@ -100,15 +100,15 @@ mod tests {
     use crate::studies::stability::Verdict;
     use crate::truth::Cache;
 
-    /// Surprises in either direction and void cases end with 1 and name case and tracer, unless parameters were changed.
+    /// Surprises in either direction and invalid cases end with 1 and name case and tracer, unless parameters were changed.
     #[test]
     fn surprises_are_errors() {
         let requests = names::tracers("bvh-cpu", &[]).unwrap();
         let device = Err(tracebench_api::TracerError::Unavailable("none is needed".to_owned()));
         let cases = names::cases("edge-on").unwrap();
         let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
-        let run = stability::run(&cases, &requests, &Context::new(&device, &cache, &quiet, &journal)).unwrap();
-        let found = Stability::of(&run).unwrap();
+        let record = stability::run(&cases, &requests, &Context::new(&device, &cache, &quiet, &journal)).unwrap();
+        let found = Stability::of(&record).unwrap();
         assert!(outcome(&found).is_ok());
         for verdict in [Verdict::UnexpectedFailure, Verdict::UnexpectedSuccess] {
             let mut changed = found.clone();
@@ -119,9 +119,9 @@ mod tests {
             changed.counts = false;
             assert!(outcome(&changed).is_ok());
         }
-        let mut void = found;
-        void.cases[0].case.void = Some("the oracle erred".to_owned());
-        assert!(outcome(&void).unwrap_err().to_string().contains("the oracle erred"));
-        assert!(report::stability_matrix(&void).contains("edge-on (VOID)"));
+        let mut invalid = found;
+        invalid.cases[0].case.invalid = Some("the oracle erred".to_owned());
+        assert!(outcome(&invalid).unwrap_err().to_string().contains("the oracle erred"));
+        assert!(report::stability_matrix(&invalid).contains("edge-on (VOID)"));
     }
 }

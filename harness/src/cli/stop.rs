@@ -117,7 +117,7 @@ fn leave(kept: &Kept) -> String {
     }
     Journal::take_away(&kept.folder);
     kept.folder.abandon();
-    format!("stopped before any race had ended: nothing is kept in {}", kept.folder.path().display())
+    format!("stopped before any interleaved set had ended: nothing is kept in {}", kept.folder.path().display())
 }
 
 /// How to go on.

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 use tracebench_api::Invalidation;
 
-use super::arguments::{Matter, WorkArguments};
+use super::arguments::{Selection, WorkArguments};
 use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
@@ -37,7 +37,7 @@ pub(super) struct SweepArguments {
     grid: Option<String>,
     /// Shows what the choice of one parameter costs, in place of times: its default beside the values that are best by this rule here, from
     /// another viewpoint of the scene and on the other scenes. Any-hit sets are judged by balanced accuracy.
-    #[arg(long, value_name = "RULE", value_parser = Rule::ALL.map(Rule::name), conflicts_with_all = ["grid", "samples", "interval", "time_limit"])]
+    #[arg(long, value_name = "RULE", value_parser = Rule::ALL.map(Rule::name), conflicts_with_all = ["grid", "samples", "ratio_precision", "time_limit"])]
     choose: Option<String>,
     #[command(flatten)]
     work: WorkArguments,
@@ -89,10 +89,10 @@ impl SweepArguments {
         one_tracer(self.tracer.as_deref().unwrap_or(own), &self.work.common.settings)
     }
 
-    fn matter(&self) -> Result<Matter, CliError> {
+    fn selection(&self) -> Result<Selection, CliError> {
         let (scene, rays) = if self.choose.is_some() { ("all", "specular,diffuse") } else { ("room", "diffuse") };
         let scene = self.scene.as_deref().unwrap_or(OsStr::new(scene));
-        Matter::of(scene, self.request().map(|request| vec![request]), self.rays.as_deref().unwrap_or(rays))
+        Selection::of(scene, self.request().map(|request| vec![request]), self.rays.as_deref().unwrap_or(rays))
     }
 
     /// The rule by which a value is chosen.
@@ -224,9 +224,9 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     }
     let grid = arguments.grid.is_some();
     let option = if grid { "--grid" } else { "--over" };
-    let checked = arguments.work.plan(arguments.matter()?, || false)?;
+    let checked = arguments.work.plan(arguments.selection()?, || false)?;
     Sweep::new(&checked, axes, grid).map_err(|error| refused(&error, option))?;
-    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
     // By the means that it has here.
     let axes = arguments.axes(&work.plan.tracers[0])?;
     let sweep = Sweep::new(&work.plan, axes.clone(), grid).map_err(|error| {
@@ -243,7 +243,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
 
 /// Shows what the choice of a parameter costs.
 fn choose(arguments: &SweepArguments, rule: Rule, progress: &Progress) -> Result<(), CliError> {
-    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Untimed, progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Untimed, progress)?;
     // By the means that it has here.
     let request = &work.plan.tracers[0];
     let axis = arguments.axis(request)?;

@@ -17,8 +17,7 @@ use crate::peers::Subject;
 use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
-use crate::results::Run;
-use crate::studies::exact;
+use crate::results::Record;
 use crate::studies::tune::{Label, Tuning};
 use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::{self, Table};
@@ -32,23 +31,23 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if !moving && arguments.frames.is_some() {
         return Err(CliError::Argument(format!("--frames: table {} is not over frames", table.name())));
     }
-    if moving && arguments.work.common.time != 0.0 {
-        return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
+    if moving && arguments.work.common.animation_time != 0.0 {
+        return Err(CliError::Argument(format!("--animation-time: table {} is over whole animations", table.name())));
     }
-    let walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
-    let is_exact = matches!(table, Table::Exact);
-    if (walked || is_exact) && arguments.work.common.view.is_some() {
-        let whence = if walked { "is along the camera's path" } else { "has viewpoints of its own" };
+    let frame_scene_sha256 = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
+    let is_study = matches!(table, Table::Study(_));
+    if (frame_scene_sha256 || is_study) && arguments.work.common.view.is_some() {
+        let whence = if frame_scene_sha256 { "is along the camera's path" } else { "has viewpoints of its own" };
         return Err(CliError::Argument(format!("--view: table {} {whence}", table.name())));
     }
-    if !is_exact && arguments.tracer.is_some() {
+    if !is_study && arguments.tracer.is_some() {
         return Err(CliError::Argument(format!("--tracer: table {} has its own", table.name())));
     }
     let of_papers =
-        !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.part;
+        !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.few_rows;
     if !matches!(table, Table::Paper(..)) && of_papers {
         return Err(CliError::Argument(format!(
-            "--only, --tuned, --part, --estimate: table {} is no paper's",
+            "--only, --tuned, --few-rows, --estimate: table {} is no paper's",
             table.name()
         )));
     }
@@ -58,9 +57,9 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     match arguments.from.as_slice() {
         [] => {}
         [path] => return again(table, path, arguments.work.output.out.as_deref()),
-        _ => return Err(CliError::Argument(format!("--from: table {} is made of one run", table.name()))),
+        _ => return Err(CliError::Argument(format!("--from: table {} is made of one record", table.name()))),
     }
-    let mut work = Work::prepare(&arguments.work, || arguments.matter(table), Clock::Timed, progress)?;
+    let mut work = Work::prepare(&arguments.work, || arguments.selection(table), Clock::Timed, progress)?;
     match table {
         Table::Settings(table) if moving => {
             let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
@@ -72,13 +71,13 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
             work.measure("table", progress)?;
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
-        Table::Exact => {
-            let plans = exact::plans(&work.plan);
+        Table::Study(study) => {
+            let plans = (study.plans)(&work.plan);
             let words = described("table", &plans, Value::Null);
-            let run = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
+            let record = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
             print_table(table, work.bench.out.path())?;
-            all_measured(&work.plan, &run)?;
-            return all_right(&run);
+            all_measured(&work.plan, &record)?;
+            return all_right(table, &record);
         }
         Table::Claims(_) => {}
     }
@@ -94,7 +93,7 @@ fn measure(
     progress: &Progress,
 ) -> Result<(), CliError> {
     let mut plans = plans(paper, experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
-    plans.iter_mut().for_each(|plan| work.bench.give_means(&mut plan.tracers));
+    plans.iter_mut().for_each(|plan| work.bench.give_launch_settings(&mut plan.tracers));
     let words = described("table", &plans, Value::Null);
     work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
     Ok(())
@@ -108,13 +107,13 @@ fn plans(
     base: &mut Plan,
 ) -> Result<Vec<Plan>, CliError> {
     let settings = &arguments.work.common.settings;
-    let of_part = PART_SETTINGS.iter().filter(|_| arguments.part);
+    let of_part = PART_SETTINGS.iter().filter(|_| arguments.few_rows);
     let own = of_part.chain(experiment.settings).map(|setting| (*setting).to_owned());
     // What the user says comes later and counts.
     base.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
     let mut steps = names::steps(experiment, settings)?;
     names::only(&mut steps, &arguments.only)?;
-    if arguments.part {
+    if arguments.few_rows {
         paper.take_part(experiment, base, &mut steps);
     }
     let plans = experiment.plans(base, &steps).map_err(|error| CliError::Argument(error.to_string()))?;
@@ -124,10 +123,10 @@ fn plans(
 
 /// The plans by scene, with the value that a tuning found elsewhere in those rows that say nothing of its parameter.
 fn tuned(plans: &[Plan], path: &Path) -> Result<Vec<Plan>, CliError> {
-    let run = report::read_run(path)?;
-    let tuning = Tuning::of(&run);
+    let record = report::read_run(path)?;
+    let tuning = Tuning::of(&record);
     let tuning =
-        tuning.ok_or_else(|| CliError::Argument(format!("--tuned {}: the run is no tuning", path.display())))?;
+        tuning.ok_or_else(|| CliError::Argument(format!("--tuned {}: the record is no tuning", path.display())))?;
     let (tracer, parameter) = (&tuning.tracer.name, &tuning.axis.name);
     let is_open = |request: &TracerRequest| request.name() == tracer && !request.changed.contains(parameter);
     let of_scene = |plan: &Plan, scene: &SceneSource| {
@@ -157,31 +156,29 @@ fn estimate(
     arguments: &TableArguments,
     path: &Path,
 ) -> Result<(), CliError> {
-    let run = report::read_run(path)?;
+    let record = report::read_run(path)?;
     // On an adapter of the kind that the run had.
-    let hardware = run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software");
-    let mut base = arguments.work.plan(arguments.matter(table)?, || hardware)?;
+    let hardware = record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software");
+    let mut base = arguments.work.plan(arguments.selection(table)?, || hardware)?;
     let plans = plans(paper, experiment, arguments, &mut base)?;
-    print(&format!("{}\n", papers::Duration::of(&plans, &run).words(table.name())))
+    print(&format!("{}\n", papers::Duration::of(&plans, &record).describe(table.name())))
 }
 
 /// Makes the table of what was measured before.
 fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliError> {
     // Read before anything is written.
-    let run = report::read_run(path)?;
+    let record = report::read_run(path)?;
     let folder = OutputFolder::open(&out.map_or_else(|| folder_of(path), Path::to_owned))?;
     refuse_others(folder.path(), std::iter::once(path))?;
-    tables::write(table, &run, &folder)?;
+    tables::write(table, &record, &folder)?;
     print_table(table, folder.path())?;
-    if matches!(table, Table::Exact) { all_right(&run) } else { Ok(()) }
+    all_right(table, &record)
 }
 
-/// That no ray is wrong.
-fn all_right(run: &Run) -> Result<(), CliError> {
-    match report::exact::wrong_rays(run) {
-        0 => Ok(()),
-        wrong => Err(CliError::Other(format!("{wrong} rays are wrong under `tight`"))),
-    }
+/// That nothing speaks against what a study measured.
+fn all_right(table: Table, record: &Record) -> Result<(), CliError> {
+    let fault = if let Table::Study(study) = table { (study.fault)(record) } else { None };
+    fault.map_or(Ok(()), |fault| Err(CliError::Other(fault)))
 }
 
 /// Of a paper's table the verdicts are the answer.
@@ -195,9 +192,9 @@ fn claims(paper: &Paper, from: &[PathBuf], out: Option<&Path>) -> Result<(), Cli
     if let Some(twice) = from.iter().duplicates_by(|path| place(path)).next() {
         return Err(CliError::Argument(format!("{}: it is given twice", twice.display())));
     }
-    let runs = from.iter().map(|path| report::read_run(path)).collect::<Result<Vec<_>, _>>()?;
-    let of_paper = |run: &Run| run.table.as_deref().is_some_and(|table| paper.experiment(table).is_some());
-    if !runs.is_empty() && !runs.iter().any(of_paper) {
+    let rows = from.iter().map(|path| report::read_run(path)).collect::<Result<Vec<_>, _>>()?;
+    let of_paper = |record: &Record| record.table.as_deref().is_some_and(|table| paper.experiment(table).is_some());
+    if !rows.is_empty() && !rows.iter().any(of_paper) {
         return Err(CliError::Argument(format!(
             "none of these runs is of a table of {}: `tracebench list tables` names them, `tracebench table NAME` makes one",
             paper.name
@@ -205,6 +202,6 @@ fn claims(paper: &Paper, from: &[PathBuf], out: Option<&Path>) -> Result<(), Cli
     }
     let folder = out.map_or_else(fresh_folder, OutputFolder::open)?;
     refuse_others(folder.path(), from.iter())?;
-    let written = report::write_all(&papers::claims_report(paper, &runs)?.contents()?, &folder)?;
+    let written = report::write_all(&papers::claims_report(paper, &rows)?.contents()?, &folder)?;
     print_head(&written[0])
 }

@@ -7,17 +7,17 @@ use std::sync::Arc;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::arguments::{Matter, WorkArguments};
-use super::{CliError, open_device, stop};
+use super::arguments::{Selection, WorkArguments};
+use super::{CliError, open_device, renames, stop};
 use crate::files::{FileError, OutputFolder};
+use crate::launch;
 use crate::machine;
-use crate::means;
 use crate::measure::{self, Context, Journal, RunError, records};
 use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::{self, ReportError};
-use crate::results::{Means, MeansRecord, Provenance, Run, Skipped};
+use crate::results::{LaunchRecord, LaunchSettings, Provenance, Record, Skipped};
 use crate::tables;
 use crate::truth::Cache;
 
@@ -36,32 +36,35 @@ pub(super) struct OutputArguments {
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<[u32; 2]>,
     /// What searches on the device read from and how many rays a lane answers, where --set does not say: buffer,1 or texture,32 and
-    /// the like. A short probe of the adapter tells if it is not given, here or as TRACEBENCH_MEANS.
-    #[arg(long, value_name = "READS,RAYS", value_parser = means::parse)]
-    pub means: Option<Means>,
+    /// the like. A short probe of the adapter tells if it is not given, here or as TRACEBENCH_LAUNCH.
+    #[arg(long, value_name = "MEMORY_ACCESS,RAYS", value_parser = launch::parse)]
+    pub launch: Option<LaunchSettings>,
 }
 
 impl OutputArguments {
     /// The means of requests where nothing is set: those that are given, those that the run was begun with, or what a probe says.
-    fn means(
+    fn launch(
         &self,
         device: &Device,
         requests: &[TracerRequest],
         clock: Clock,
         progress: &Progress,
-    ) -> Result<Option<MeansRecord>, CliError> {
-        if !requests.iter().any(TracerRequest::has_means) {
+    ) -> Result<Option<LaunchRecord>, CliError> {
+        if !requests.iter().any(TracerRequest::has_launch_settings) {
             return Ok(None);
         }
-        let told = std::env::var(means::VARIABLE).ok().filter(|text| !text.is_empty());
+        if let Some(is) = renames::variable() {
+            return Err(CliError::Argument(is));
+        }
+        let told = std::env::var(launch::VARIABLE).ok().filter(|text| !text.is_empty());
         let told = told.map(|text| {
-            means::parse(&text).map_err(|error| CliError::Argument(format!("{}: {error}", means::VARIABLE)))
+            launch::parse(&text).map_err(|error| CliError::Argument(format!("{}: {error}", launch::VARIABLE)))
         });
-        if let Some(means) = self.means.clone().map(Ok).or(told).transpose()? {
-            return Ok(Some(MeansRecord { means, probe: None }));
+        if let Some(launch) = self.launch.clone().map(Ok).or(told).transpose()? {
+            return Ok(Some(LaunchRecord { launch, probe: None }));
         }
         let begun = self.out.as_deref().filter(|_| self.resume).and_then(|out| {
-            Journal::means_of(out).or_else(|| report::read_run(out).ok().and_then(|run| run.provenance.means))
+            Journal::launch_of(out).or_else(|| report::read_run(out).ok().and_then(|record| record.provenance.launch))
         });
         if begun.is_some() {
             return Ok(begun);
@@ -69,11 +72,11 @@ impl OutputArguments {
         let probed = {
             // Like everything that is timed, where times are taken.
             let _turn = (clock == Clock::Timed && device.is_ok()).then(wait_for_turn);
-            means::probe(device)?
+            launch::probe(device)?
         };
-        if let Some(MeansRecord { means, probe: Some(probe) }) = &probed {
+        if let Some(LaunchRecord { launch, probe: Some(probe) }) = &probed {
             progress.say(&format!(
-                "means: {means} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
+                "means: {launch} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
                 probe.texture_gain(),
                 probe.many_rays,
                 probe.many_rays_gain()
@@ -112,24 +115,24 @@ impl<'a> Work<'a> {
     /// Checks the arguments before any device or file is touched, then opens both.
     pub(super) fn prepare(
         arguments: &'a WorkArguments,
-        matter: impl Fn() -> Result<Matter, CliError>,
+        selection: impl Fn() -> Result<Selection, CliError>,
         clock: Clock,
         progress: &Progress,
     ) -> Result<Self, CliError> {
-        let checked = arguments.plan(matter()?, || false)?;
+        let checked = arguments.plan(selection()?, || false)?;
         let device = open_device(
             &arguments.common.device,
             needs_device(&checked.tracers),
             checked.tracers.iter().any(TracerRequest::must_have_device),
         )?;
-        let mut plan = arguments.plan(matter()?, || device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
+        let mut plan = arguments.plan(selection()?, || device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
         let bench = Bench::open(device, &arguments.output, clock, &mut plan.tracers, progress)?;
         say_plan(&plan, bench.device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
         Ok(Self { plan, bench })
     }
 
     /// Runs the plan and writes everything.
-    pub(super) fn measure(&self, verb: &str, progress: &Progress) -> Result<Run, CliError> {
+    pub(super) fn measure(&self, verb: &str, progress: &Progress) -> Result<Record, CliError> {
         let plan = described(verb, std::slice::from_ref(&self.plan), Value::Null);
         self.bench.measure(&plan, progress, |context| measure::execute(&self.plan, context))
     }
@@ -137,7 +140,7 @@ impl<'a> Work<'a> {
 
 /// That all was measured that was asked for by name: what could not be is no reason to lose the rest, but the run did not
 /// go well.
-pub(super) fn all_measured(plan: &Plan, run: &Run) -> Result<(), CliError> {
+pub(super) fn all_measured(plan: &Plan, record: &Record) -> Result<(), CliError> {
     let named: Vec<String> = plan
         .tracers
         .iter()
@@ -147,7 +150,7 @@ pub(super) fn all_measured(plan: &Plan, run: &Run) -> Result<(), CliError> {
     let refused = |one: &&Skipped| one.rays.is_none() && one.tracer.as_ref().is_some_and(|label| named.contains(label));
     let told =
         |one: &Skipped| format!("{} in {}: {}", one.tracer.as_deref().unwrap_or_default(), one.scene, one.reason);
-    let refused: Vec<String> = run.skipped.iter().filter(refused).map(told).collect();
+    let refused: Vec<String> = record.skipped.iter().filter(refused).map(told).collect();
     match refused.is_empty() {
         true => Ok(()),
         false => Err(CliError::Other(format!(
@@ -160,7 +163,7 @@ pub(super) fn all_measured(plan: &Plan, run: &Run) -> Result<(), CliError> {
 /// What a plan says, as the journal keeps it: the same words mean the same work.
 pub(super) fn described(verb: &str, plans: &[Plan], further: Value) -> Value {
     let plans: Vec<Value> = plans.iter().map(Plan::describe).collect();
-    json!({ "verb": verb, "plans": plans, "further": further })
+    json!({ "verb": verb, "plans": plans, "adaptive": further })
 }
 
 /// A device and a folder.
@@ -168,12 +171,12 @@ pub(super) struct Bench<'a> {
     pub(super) device: Device,
     pub(super) out: Arc<OutputFolder>,
     clock: Clock,
-    means: Option<MeansRecord>,
+    launch: Option<LaunchRecord>,
     arguments: &'a OutputArguments,
 }
 
 impl<'a> Bench<'a> {
-    /// Opens both, and gives requests their means.
+    /// Opens both, and gives requests their launch settings.
     pub(super) fn open(
         device: Device,
         arguments: &'a OutputArguments,
@@ -186,16 +189,16 @@ impl<'a> Bench<'a> {
             None => fresh_folder()?,
         });
         stop::keeps(Some(stop::Kept { folder: out.clone(), named: arguments.out.is_some() }));
-        let means = arguments.means(&device, requests, clock, progress).inspect_err(|_| out.abandon())?;
-        let bench = Self { device, out, clock, means, arguments };
-        bench.give_means(requests);
+        let launch = arguments.launch(&device, requests, clock, progress).inspect_err(|_| out.abandon())?;
+        let bench = Self { device, out, clock, launch, arguments };
+        bench.give_launch_settings(requests);
         Ok(bench)
     }
 
-    /// Gives requests the means of all, where nothing is set.
-    pub(super) fn give_means(&self, requests: &mut [TracerRequest]) {
-        if let Some(MeansRecord { means, .. }) = &self.means {
-            requests.iter_mut().for_each(|request| request.take_means(means));
+    /// Gives requests the launch settings of all, where nothing is set.
+    pub(super) fn give_launch_settings(&self, requests: &mut [TracerRequest]) {
+        if let Some(LaunchRecord { launch, .. }) = &self.launch {
+            requests.iter_mut().for_each(|request| request.use_launch_settings(launch));
         }
     }
 
@@ -204,18 +207,18 @@ impl<'a> Bench<'a> {
         &self,
         plan: &Value,
         progress: &Progress,
-        work: impl FnOnce(&Context<'_>) -> Result<Run, RunError>,
-    ) -> Result<Run, CliError> {
+        work: impl FnOnce(&Context<'_>) -> Result<Record, RunError>,
+    ) -> Result<Record, CliError> {
         let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
         let of_plan = |[index, count]: [u32; 2]| Shard { index, count, plan_sha256: plan_sha256.clone() };
         let shard = self.arguments.shard.map(of_plan);
         let is_begun = self.arguments.resume && Journal::is_in(self.out.path());
         if self.arguments.resume
             && !is_begun
-            && let Some(run) = self.complete(&plan_sha256)?
+            && let Some(record) = self.complete(&plan_sha256)?
         {
             stop::keeps(None);
-            return Ok(run);
+            return Ok(record);
         }
         self.out.check_all(report::may_be_written).inspect_err(|_| self.out.abandon())?;
         if !self.arguments.resume {
@@ -225,15 +228,16 @@ impl<'a> Bench<'a> {
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
         let begun = match is_begun {
             true => Journal::resume(&self.out, &words, &machine),
-            false => Journal::begin(&self.out, &words, &machine, self.means.as_ref()),
+            false => Journal::begin(&self.out, &words, &machine, self.launch.as_ref()),
         };
         let journal = begun.map_err(|error| CliError::Run(error.into())).inspect_err(|_| self.out.abandon())?;
         // Held until the work is done.
         let _turn = (self.clock == Clock::Timed).then(wait_for_turn);
         let cache = Cache::of_user();
-        let context =
-            Context::new(&self.device, &cache, progress, &journal).of_shard(shard).with_means(self.means.clone());
-        let mut run = work(&context).inspect_err(|error| {
+        let context = Context::new(&self.device, &cache, progress, &journal)
+            .of_shard(shard)
+            .with_launch_settings(self.launch.clone());
+        let mut record = work(&context).inspect_err(|error| {
             // Where nothing could run there is nothing to go on with.
             if matches!(error, RunError::Nothing(_)) {
                 journal.finish();
@@ -250,33 +254,33 @@ impl<'a> Bench<'a> {
             progress
                 .say(&format!("shard {index} of {count}: what follows tells of this part alone; `merge` joins all"));
         }
-        say_skipped(&run.skipped, progress);
-        run.provenance.plan_sha256 = Some(plan_sha256);
-        report::write_run(&run, &self.out, tables::of_run)?;
+        say_skipped(&record.skipped, progress);
+        record.provenance.plan_sha256 = Some(plan_sha256);
+        report::write_run(&record, &self.out, tables::of_run)?;
         journal.finish();
         stop::keeps(None);
-        Ok(run)
+        Ok(record)
     }
 
     /// The record of a complete run that is to be gone on with; `None` where there is no record.
-    fn complete(&self, plan_sha256: &str) -> Result<Option<Run>, CliError> {
-        let run = match report::read_run(self.out.path()) {
+    fn complete(&self, plan_sha256: &str) -> Result<Option<Record>, CliError> {
+        let record = match report::read_run(self.out.path()) {
             Err(ReportError::Missing { .. }) => return Ok(None),
-            run => run?,
+            record => record?,
         };
-        let Provenance { started, commit, shard, plan_sha256: own, .. } = &run.provenance;
+        let Provenance { started, commit, shard, plan_sha256: own, .. } = &record.provenance;
         let folder = self.out.path().display();
         let part = shard.as_ref().map(|shard| [shard.index, shard.count]);
         if own.as_deref() != Some(plan_sha256) || part != self.arguments.shard {
             return Err(CliError::Argument(format!(
-                "{folder} holds a complete run of another plan, begun {started}: leave --resume out to replace it, or choose another folder \
+                "{folder} holds a complete record of another plan, begun {started}: leave --resume out to replace it, or choose another folder \
                  with --out"
             )));
         }
         progress::to_stderr(&format!(
-            "the run in {folder} is complete, begun {started} by commit {commit}: nothing is measured"
+            "the record in {folder} is complete, begun {started} by commit {commit}: nothing is measured"
         ));
-        Ok(Some(run))
+        Ok(Some(record))
     }
 }
 
@@ -322,11 +326,11 @@ pub(super) fn fresh_folder() -> Result<OutputFolder, FileError> {
 /// Refuses a folder with a record of another verb than `own`: it would be written over, and its pages left without it.
 pub(super) fn refuse_another(out: &Path, own: Option<&str>) -> Result<(), CliError> {
     let what = match report::read_run(out) {
-        Ok(run) if own == Some(run.verb()) => return Ok(()),
-        Ok(run) => format!("what `{}` measured", run.verb()),
+        Ok(record) if own == Some(record.verb()) => return Ok(()),
+        Ok(record) => format!("what `{}` measured", record.verb()),
         // The journal itself says whose work it is.
         Err(ReportError::Missing { .. }) if own.is_none() && Journal::is_in(out) => {
-            "a run that was broken off".to_owned()
+            "a record that was broken off".to_owned()
         }
         Err(ReportError::Missing { .. }) => return Ok(()),
         Err(_) => format!("a {}", report::RUN_FILE),
@@ -356,7 +360,7 @@ fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {
         ray_image[1],
         frame[0],
         frame[1],
-        sampling.words(),
+        sampling.describe(),
         adapter.unwrap_or("none")
     ));
 }

@@ -23,7 +23,7 @@ pub enum Shift {
 pub struct Accuracy {
     /// By which rule: `hit_miss`, `tight`, `footprint`, or `balanced accuracy` of an any-hit set.
     pub rule: &'static str,
-    /// Share of the first; `None` if every ray is a tie.
+    /// Share of the first; `None` if every ray is an ambiguous ray.
     pub a: Option<f64>,
     /// Share of the second.
     pub b: Option<f64>,
@@ -31,7 +31,7 @@ pub struct Accuracy {
     pub a_wrong: u64,
     /// Wrong rays of the second.
     pub b_wrong: u64,
-    /// Rays that count, of the first: those of both if their ties are the same, as they are by the same truth.
+    /// Rays that count, of the first: those of both if their ambiguous rays are the same, as they are by the same truth.
     pub rays: u64,
     /// What is to be said of it.
     pub shift: Shift,

@@ -1,7 +1,7 @@
 //! What differs between two runs: the same tracers on the same rays, row by row.
 //!
 //! Rows match by content: the scene's hash, the viewpoint, the tracer with its parameters, the rays' hash. What has moved
-//! beyond noise is told apart from what has changed exactly (answers, counters, bytes, statistics of structures).
+//! beyond noise is distinguished from what has changed exactly (answers, counters, bytes, statistics of structures).
 
 mod accuracy;
 #[cfg(test)]
@@ -15,8 +15,7 @@ use tracebench_api::ClockKind;
 pub use accuracy::{Accuracy, Shift};
 
 use crate::results::{
-    COVERAGE, Doubt, LEAST_ROUNDS, MOST_CHANGE, Movement, Ratio, Run, Times, TraceRecord, TracerRun, same_rays,
-    same_work,
+    COVERAGE, Caveat, MAX_CHANGE, MIN_ROUNDS, Movement, Ratio, Record, Row, Times, TraceRecord, same_rays, same_work,
 };
 use crate::statistics::median;
 
@@ -26,7 +25,7 @@ pub const SCHEMA: u32 = 1;
 /// How much slower (a share) something must be to count, where nothing else is said.
 pub const DEFAULT_THRESHOLD: f64 = 0.05;
 
-/// Two runs held against each other.
+/// Two runs compared with each other.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// [`SCHEMA`].
@@ -161,19 +160,19 @@ impl Comparison {
         builds.chain(traces).collect()
     }
 
-    /// Whether anything stands in both runs.
+    /// Whether anything is in both runs.
     pub fn is_empty(&self) -> bool {
         self.builds.is_empty()
     }
 }
 
 impl Key {
-    fn of(run: &TracerRun, trace: Option<&TraceRecord>) -> Self {
+    fn of(row: &Row, trace: Option<&TraceRecord>) -> Self {
         Self {
-            scene: run.scene.name.clone(),
-            scene_sha256: run.scene.sha256.clone(),
-            viewpoint: run.viewpoint.name.clone(),
-            tracer: run.tracer.label(),
+            scene: row.scene.name.clone(),
+            scene_sha256: row.scene.sha256.clone(),
+            viewpoint: row.viewpoint.name.clone(),
+            tracer: row.tracer.label(),
             rays: trace.map(|trace| trace.rays.clone()),
             rays_sha256: trace.map(|trace| trace.rays_sha256.clone()),
         }
@@ -187,13 +186,13 @@ impl Key {
 }
 
 /// Holds two runs, each with the path that it came from, against each other. `threshold` is a share: 0.05 for 5 %.
-pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
-    let side = |(path, run): (&str, &Run)| Side {
+pub fn compare(a: (&str, &Record), b: (&str, &Record), threshold: f64) -> Comparison {
+    let side = |(path, record): (&str, &Record)| Side {
         path: path.to_owned(),
-        commit: run.provenance.commit.clone(),
-        dirty: run.provenance.dirty,
-        started: run.provenance.started.clone(),
-        machine: run.provenance.machine.label(),
+        commit: record.provenance.commit.clone(),
+        dirty: record.provenance.dirty,
+        started: record.provenance.started.clone(),
+        machine: record.provenance.machine.label(),
     };
     let mut comparison = Comparison {
         schema: SCHEMA,
@@ -207,18 +206,18 @@ pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
         only_in_b: Vec::new(),
     };
     // Rows of joined shards keep their machines, and times of different machines say nothing of the work.
-    let joined = [a.1, b.1].iter().any(|run| !run.provenance.further_machines.is_empty());
-    let timed = |one: &TracerRun, other: &TracerRun| {
+    let joined = [a.1, b.1].iter().any(|record| !record.provenance.further_machines.is_empty());
+    let timed = |one: &Row, other: &Row| {
         !joined || a.1.provenance.machine_of(one.machine) == b.1.provenance.machine_of(other.machine)
     };
-    let runs = [a.1, b.1];
-    let (pairs, only_in_a, only_in_b) = pairs(&a.1.runs, &b.1.runs, same_work);
-    comparison.only_in_a.extend(only_in_a.into_iter().map(|run| Key::of(run, None)));
-    comparison.only_in_b.extend(only_in_b.into_iter().map(|run| Key::of(run, None)));
+    let rows = [a.1, b.1];
+    let (pairs, only_in_a, only_in_b) = pairs(&a.1.rows, &b.1.rows, same_work);
+    comparison.only_in_a.extend(only_in_a.into_iter().map(|record| Key::of(record, None)));
+    comparison.only_in_b.extend(only_in_b.into_iter().map(|record| Key::of(record, None)));
     for (a, b) in pairs {
         let speed = |one: &Times, other: &Times| {
-            let doubt = doubt((runs[0], one), (runs[1], other));
-            speed(one, other, threshold, timed(a, b), doubt)
+            let caveat = caveat((rows[0], one), (rows[1], other));
+            speed(one, other, threshold, timed(a, b), caveat)
         };
         let told = a.build.steady.is_some() && b.build.steady.is_some();
         let steady = told.then(|| speed(a.build.steady(), b.build.steady()));
@@ -250,17 +249,17 @@ fn pairs<'a, T>(a: &'a [T], b: &'a [T], same: fn(&T, &T) -> bool) -> (Vec<(&'a T
 }
 
 /// What differs between the runs as wholes, a sentence each.
-fn differences(a: &Run, b: &Run) -> Vec<String> {
-    let adapter = |run: &Run| {
-        let adapter = run.provenance.machine.adapter.as_ref();
+fn differences(a: &Record, b: &Record) -> Vec<String> {
+    let adapter = |record: &Record| {
+        let adapter = record.provenance.machine.adapter.as_ref();
         adapter
             .map_or_else(|| "none".to_owned(), |each| format!("{}, {} {}", each.name, each.driver, each.driver_version))
     };
-    let commit = |run: &Run| {
-        let mark = if run.provenance.dirty == Some(true) { " with changes" } else { "" };
-        format!("{}{mark}", run.provenance.commit)
+    let commit = |record: &Record| {
+        let mark = if record.provenance.dirty == Some(true) { " with changes" } else { "" };
+        format!("{}{mark}", record.provenance.commit)
     };
-    let parameters = |run: &Run| serde_json::to_string(&run.ray_parameters).unwrap_or_default();
+    let parameters = |record: &Record| serde_json::to_string(&record.ray_parameters).unwrap_or_default();
     let both = [
         ("processor", a.provenance.machine.cpu.clone(), b.provenance.machine.cpu.clone()),
         ("threads", a.provenance.machine.threads.to_string(), b.provenance.machine.threads.to_string()),
@@ -276,36 +275,40 @@ fn differences(a: &Run, b: &Run) -> Vec<String> {
 }
 
 /// Why times of two runs decide nothing, whatever their ratio is.
-fn doubt(a: (&Run, &Times), b: (&Run, &Times)) -> Option<Doubt> {
-    let void = [a.1, b.1].iter().find_map(|times| times.void.clone());
+fn caveat(a: (&Record, &Times), b: (&Record, &Times)) -> Option<Caveat> {
+    let invalid = [a.1, b.1].iter().find_map(|times| times.invalid.clone());
     let fewest = a.1.samples_ms.len().min(b.1.samples_ms.len());
-    let races = [a, b].map(|(run, times)| run.race(times));
-    let kernels = |place: usize| races[place].iter().flat_map(|race| &race.kernels).collect::<Vec<_>>();
+    let interleaved_sets = [a, b].map(|(record, times)| record.interleaved_set(times));
+    let kernels = |place: usize| {
+        interleaved_sets[place].iter().flat_map(|interleaved_set| &interleaved_set.kernels).collect::<Vec<_>>()
+    };
     let changed = kernels(0).iter().any(|kernel| {
         let others = kernels(1);
         let mut same = others.iter().filter(|other| (other.clock, other.tasks) == (kernel.clock, kernel.tasks));
         same.any(|other| {
             let change = median(&kernel.samples_ms) / median(&other.samples_ms);
-            change.max(1.0 / change) > 1.0 + MOST_CHANGE
+            change.max(1.0 / change) > 1.0 + MAX_CHANGE
         })
     });
     match () {
-        () if void.is_some() => void.map(Doubt::Void),
-        () if fewest < LEAST_ROUNDS as usize => Some(Doubt::FewRounds(fewest)),
-        () if races.iter().flatten().any(|race| race.drift) => Some(Doubt::Drift("within a race".to_owned())),
-        () if changed => Some(Doubt::Drift("the fixed kernel took another time".to_owned())),
+        () if invalid.is_some() => invalid.map(Caveat::Void),
+        () if fewest < MIN_ROUNDS as usize => Some(Caveat::FewRounds(fewest)),
+        () if interleaved_sets.iter().flatten().any(|interleaved_set| interleaved_set.drift) => {
+            Some(Caveat::Drift("within an interleaved set".to_owned()))
+        }
+        () if changed => Some(Caveat::Drift("the fixed kernel took another time".to_owned())),
         () => None,
     }
 }
 
 /// `comparable`: both were timed on the same machine, as far as that is known.
-fn speed(a: &Times, b: &Times, threshold: f64, comparable: bool, doubt: Option<Doubt>) -> Speed {
+fn speed(a: &Times, b: &Times, threshold: f64, comparable: bool, caveat: Option<Caveat>) -> Speed {
     let timed = |times: &Times| (!times.samples_ms.is_empty()).then_some(times.median_ms);
     let ratio = Ratio::of_times(&a.samples_ms, &b.samples_ms, COVERAGE).filter(|_| comparable && a.clock == b.clock);
     let fewest = a.samples_ms.len().min(b.samples_ms.len());
     let movement =
-        ratio.map(|ratio| if doubt.is_some() { Movement::Undecided } else { ratio.movement(fewest, threshold) });
-    let because = doubt.unwrap_or(Doubt::Interval).to_string();
+        ratio.map(|ratio| if caveat.is_some() { Movement::Undecided } else { ratio.movement(fewest, threshold) });
+    let because = caveat.unwrap_or(Caveat::Interval).to_string();
     Speed {
         a_ms: timed(a),
         b_ms: timed(b),
@@ -317,12 +320,12 @@ fn speed(a: &Times, b: &Times, threshold: f64, comparable: bool, doubt: Option<D
     }
 }
 
-fn build_row(a: &TracerRun, b: &TracerRun, speed: Speed, steady_speed: Option<Speed>) -> BuildRow {
-    let bytes = |run: &TracerRun| {
+fn build_row(a: &Row, b: &Row, speed: Speed, steady_speed: Option<Speed>) -> BuildRow {
+    let bytes = |row: &Row| {
         BTreeMap::from([
-            ("structure".to_owned(), run.memory.structure_bytes as f64),
-            ("geometry".to_owned(), run.memory.geometry_bytes as f64),
-            ("build peak".to_owned(), run.memory.build_peak_bytes as f64),
+            ("structure".to_owned(), row.memory.structure_bytes as f64),
+            ("geometry".to_owned(), row.memory.geometry_bytes as f64),
+            ("build peak".to_owned(), row.memory.build_peak_bytes as f64),
         ])
     };
     // A file of before structures were asked has nothing to compare.
@@ -336,13 +339,13 @@ fn build_row(a: &TracerRun, b: &TracerRun, speed: Speed, steady_speed: Option<Sp
     }
 }
 
-fn trace_row(run: &TracerRun, a: &TraceRecord, b: &TraceRecord, speed: Speed) -> TraceRow {
+fn trace_row(row: &Row, a: &TraceRecord, b: &TraceRecord, speed: Speed) -> TraceRow {
     let counters = |trace: &TraceRecord| {
         trace.counters.iter().map(|(name, counter)| (name.clone(), counter.total as f64)).collect::<BTreeMap<_, _>>()
     };
     let bytes = |trace: &TraceRecord| BTreeMap::from([("a trace".to_owned(), trace.per_trace_bytes as f64)]);
     TraceRow {
-        key: Key::of(run, Some(a)),
+        key: Key::of(row, Some(a)),
         speed,
         accuracy: Accuracy::of_both(&a.judgement, &b.judgement),
         same_hits: a.hits_sha256 == b.hits_sha256,

@@ -6,7 +6,7 @@ use crate::report::fixture;
 use crate::results::Judgement;
 use crate::statistics::{median, median_interval, wilson};
 
-fn held(a: &Run, b: &Run) -> Comparison {
+fn held(a: &Record, b: &Record) -> Comparison {
     compare(("a", a), ("b", b), DEFAULT_THRESHOLD)
 }
 
@@ -32,13 +32,16 @@ fn scale(times: &mut Times, factor: impl Fn(usize) -> f64) {
     times.interval_ms = median_interval(&times.samples_ms).0;
 }
 
-/// Proves that a run held against itself has every row, moves nothing and changes nothing.
+/// Proves that a run compared with itself has every row, moves nothing and changes nothing.
 #[test]
 fn the_same_run_is_the_same() {
-    for run in [fixture::typical(), fixture::crowded()] {
-        let found = held(&run, &run);
+    for record in [fixture::typical(), fixture::crowded()] {
+        let found = held(&record, &record);
         assert_eq!(said(&found), Vec::<String>::new());
-        assert_eq!((found.builds.len(), found.traces.len()), (run.runs.len(), run.runs.len() * fixture::SETS.len()));
+        assert_eq!(
+            (found.builds.len(), found.traces.len()),
+            (record.rows.len(), record.rows.len() * fixture::SETS.len())
+        );
         assert!(found.traces.iter().all(|row| row.speed.ratio.unwrap().value == 1.0));
         assert!(found.traces.iter().flat_map(|row| &row.accuracy).all(|accuracy| accuracy.shift == Shift::Same));
         assert!(comparison_text(&found).contains("## Moved beyond noise\n\nNothing."));
@@ -49,28 +52,28 @@ fn the_same_run_is_the_same() {
 /// round it is a speed-up and no regression, and that a higher threshold lets it pass.
 #[test]
 fn a_slowdown_is_found() {
-    let run = fixture::typical();
-    let mut slower = run.clone();
-    scale(&mut slower.runs[0].traces[1].times, |_| 1.2);
-    assert_eq!(said(&held(&run, &slower)), ["room bvh-cpu diffuse: slower"]);
-    assert!(comparison_text(&held(&run, &slower)).contains("room bvh-cpu diffuse: **slower**, ratio 0.833 ["));
-    let turned = held(&slower, &run);
+    let record = fixture::typical();
+    let mut slower = record.clone();
+    scale(&mut slower.rows[0].traces[1].times, |_| 1.2);
+    assert_eq!(said(&held(&record, &slower)), ["room bvh-cpu diffuse: slower"]);
+    assert!(comparison_text(&held(&record, &slower)).contains("room bvh-cpu diffuse: **slower**, ratio 0.833 ["));
+    let turned = held(&slower, &record);
     assert_eq!(said(&turned), Vec::<String>::new());
     assert_eq!(turned.traces[1].speed.movement, Some(Movement::Faster));
-    assert_eq!(said(&compare(("a", &run), ("b", &slower), 0.25)), Vec::<String>::new());
+    assert_eq!(said(&compare(("a", &record), ("b", &slower), 0.25)), Vec::<String>::new());
     // The fixture's builds scatter over 20 %: 15 % more is within that, a doubling is not.
-    let mut build = run.clone();
-    scale(&mut build.runs[1].build.times, |_| 1.15);
-    assert_eq!(said(&held(&run, &build)), Vec::<String>::new());
-    scale(&mut build.runs[1].build.times, |_| 2.0);
-    assert_eq!(said(&held(&run, &build)), ["room screen-dda: build slower"]);
+    let mut build = record.clone();
+    scale(&mut build.rows[1].build.times, |_| 1.15);
+    assert_eq!(said(&held(&record, &build)), Vec::<String>::new());
+    scale(&mut build.rows[1].build.times, |_| 2.0);
+    assert_eq!(said(&held(&record, &build)), ["room screen-dda: build slower"]);
     // First and steady builds each by itself; beside a record of before them only phases are the same.
-    let whole = fixture::with_whole_builds(run.clone());
+    let whole = fixture::with_whole_builds(record.clone());
     let mut steady = whole.clone();
-    scale(steady.runs[1].build.steady.as_mut().unwrap(), |_| 2.0);
+    scale(steady.rows[1].build.steady.as_mut().unwrap(), |_| 2.0);
     assert_eq!(said(&held(&whole, &steady)), ["room screen-dda: steady build slower"]);
     assert!(comparison_text(&held(&whole, &steady)).contains("| steady build |"));
-    let beside = held(&run, &steady);
+    let beside = held(&record, &steady);
     assert_eq!((said(&beside), beside.builds[1].speed.ratio.unwrap().value), (Vec::new(), 1.0));
     assert!(beside.builds.iter().all(|row| row.steady_speed.is_none()));
 }
@@ -79,22 +82,22 @@ fn a_slowdown_is_found() {
 /// threshold, and that times of different clocks are not set against each other.
 #[test]
 fn noise_is_not_a_change() {
-    let run = fixture::typical();
-    let mut noisy = run.clone();
-    for (index, one) in noisy.runs.iter_mut().enumerate() {
+    let record = fixture::typical();
+    let mut noisy = record.clone();
+    for (index, one) in noisy.rows.iter_mut().enumerate() {
         scale(&mut one.build.times, |sample| 1.0 + 0.08 * ((sample * 7 + index) % 3) as f64);
         for trace in &mut one.traces {
             scale(&mut trace.times, |sample| 1.0 + 0.2 * ((sample * 3 + index) % 10) as f64 - 0.7);
         }
     }
-    let found = held(&run, &noisy);
+    let found = held(&record, &noisy);
     let moved = |ratio: f64| ratio.max(1.0 / ratio) > 1.05;
     assert!(found.traces.iter().any(|row| moved(row.speed.ratio.unwrap().value)));
     assert_eq!(said(&found), Vec::<String>::new());
-    let mut other = run.clone();
-    scale(&mut other.runs[0].traces[0].times, |_| 5.0);
-    other.runs[0].traces[0].times.clock = ClockKind::SubmitToDone;
-    let found = held(&run, &other);
+    let mut other = record.clone();
+    scale(&mut other.rows[0].traces[0].times, |_| 5.0);
+    other.rows[0].traces[0].times.clock = ClockKind::SubmitToDone;
+    let found = held(&record, &other);
     assert!(said(&found).is_empty() && found.traces[0].speed.ratio.is_none());
     assert!(comparison_text(&found).contains("clocks differ"));
 }
@@ -121,64 +124,64 @@ fn lose(trace: &mut TraceRecord, rays: u64) {
 /// none, and that a ray or two more are shown as counts and other answers but not as a loss.
 #[test]
 fn a_loss_of_accuracy_is_found() {
-    let run = fixture::typical();
-    let mut worse = run.clone();
-    lose(&mut worse.runs[0].traces[0], 400);
+    let record = fixture::typical();
+    let mut worse = record.clone();
+    lose(&mut worse.rows[0].traces[0], 400);
     let rules = ["hit_miss", "tight", "footprint"];
     let expected = rules.map(|rule| format!("room bvh-cpu primary: less accurate by {rule}"));
-    assert_eq!(held(&run, &worse).regressions(), expected);
-    assert!(said(&held(&run, &worse)).contains(&"hits".to_owned()));
-    assert!(comparison_text(&held(&run, &worse)).contains("**less accurate** by tight: "));
-    assert!(held(&worse, &run).regressions().is_empty());
-    let mut little = run.clone();
-    lose(&mut little.runs[0].traces[0], 2);
-    let found = held(&run, &little);
+    assert_eq!(held(&record, &worse).regressions(), expected);
+    assert!(said(&held(&record, &worse)).contains(&"hits".to_owned()));
+    assert!(comparison_text(&held(&record, &worse)).contains("**less accurate** by tight: "));
+    assert!(held(&worse, &record).regressions().is_empty());
+    let mut little = record.clone();
+    lose(&mut little.rows[0].traces[0], 2);
+    let found = held(&record, &little);
     assert_eq!(said(&found), ["hits"]);
     let tight = &found.traces[0].accuracy[1];
     assert_eq!((tight.b_wrong, tight.shift), (tight.a_wrong + 2, Shift::Within));
-    let mut any = run.clone();
-    let Judgement::Any(judgement) = &mut any.runs[0].traces[2].judgement else { panic!("an any-hit set") };
+    let mut any = record.clone();
+    let Judgement::Any(judgement) = &mut any.rows[0].traces[2].judgement else { panic!("an any-hit set") };
     judgement.occlusion.balanced_accuracy = Some(0.9);
     judgement.occlusion.balanced_accuracy_interval = Some([0.89, 0.91]);
     judgement.occlusion.false_free += 9;
-    assert_eq!(held(&run, &any).regressions(), ["room bvh-cpu ao: less accurate by balanced accuracy"]);
+    assert_eq!(held(&record, &any).regressions(), ["room bvh-cpu ao: less accurate by balanced accuracy"]);
 }
 
 /// Proves that bytes, counters and statistics that changed by one are said, and that they are no regression.
 #[test]
 fn exact_changes_are_found() {
-    let run = fixture::typical();
-    let mut changed = run.clone();
-    changed.runs[0].memory.structure_bytes += 1;
-    changed.runs[1].structure_statistics.insert("nodes".to_owned(), 4322.0);
-    changed.runs[0].traces[0].per_trace_bytes -= 1;
-    changed.runs[1].traces[2].counters.get_mut("nodes").unwrap().total += 1;
-    let found = held(&run, &changed);
+    let record = fixture::typical();
+    let mut changed = record.clone();
+    changed.rows[0].memory.structure_bytes += 1;
+    changed.rows[1].structure_statistics.insert("nodes".to_owned(), 4322.0);
+    changed.rows[0].traces[0].per_trace_bytes -= 1;
+    changed.rows[1].traces[2].counters.get_mut("nodes").unwrap().total += 1;
+    let found = held(&record, &changed);
     assert_eq!(said(&found), ["bytes", "statistics", "trace bytes", "counters"]);
     assert!(found.regressions().is_empty());
     assert_eq!(found.builds[1].statistics["nodes"], [Some(4321.0), Some(4322.0)]);
     assert!(comparison_text(&found).contains("nodes 4,321 → 4,322"));
     // A file of before structures were asked has no statistics: nothing changed.
-    changed.runs[1].structure_statistics.clear();
-    assert!(held(&run, &changed).builds[1].statistics.is_empty());
+    changed.rows[1].structure_statistics.clear();
+    assert!(held(&record, &changed).builds[1].statistics.is_empty());
 }
 
 /// Proves that rows match by content and not by name: another preset's name and place is the same row, other parameters,
 /// rays, scenes and viewpoints are not; and that machines, commits and seeds that differ are said.
 #[test]
 fn rows_match_by_content() {
-    let run = fixture::typical();
-    let mut same = run.clone();
-    same.runs.reverse();
-    for one in &mut same.runs {
+    let record = fixture::typical();
+    let mut same = record.clone();
+    same.rows.reverse();
+    for one in &mut same.rows {
         one.tracer.preset = "improved".to_owned();
         one.viewpoint.name = "window".to_owned();
     }
-    assert_eq!(said(&held(&run, &same)), Vec::<String>::new());
-    let only = |change: &dyn Fn(&mut TracerRun)| {
-        let mut other = run.clone();
-        change(&mut other.runs[0]);
-        said(&held(&run, &other))
+    assert_eq!(said(&held(&record, &same)), Vec::<String>::new());
+    let only = |change: &dyn Fn(&mut Row)| {
+        let mut other = record.clone();
+        change(&mut other.rows[0]);
+        said(&held(&record, &other))
     };
     let whole = ["a: room bvh-cpu", "b: room bvh-cpu"];
     assert_eq!(
@@ -192,12 +195,12 @@ fn rows_match_by_content() {
         only(&|one| one.traces[0].rays_sha256 = "1".repeat(64)),
         ["a: room bvh-cpu primary", "b: room bvh-cpu primary"]
     );
-    let mut elsewhere = run.clone();
+    let mut elsewhere = record.clone();
     elsewhere.provenance.machine.threads = 64;
     elsewhere.provenance.machine.adapter = None;
     elsewhere.provenance.commit = "f".repeat(40);
     elsewhere.seed += 1;
-    let found = held(&run, &elsewhere);
+    let found = held(&record, &elsewhere);
     let about: Vec<&str> = found.differences.iter().map(|line| line.split(':').next().unwrap()).collect();
     assert_eq!(about, ["threads", "adapter", "commit", "seed"]);
     let text = comparison_text(&found);

@@ -134,8 +134,8 @@ impl OutputFolder {
         Ok(self.path.join(name))
     }
 
-    /// Writes files, whole or not at all, and gives their paths. What is there and identical stays. What must not be replaced stays too; all
-    /// others are written before it is refused.
+    /// Writes files, whole or not at all, and gives their paths. What is there and identical stays. What must not be replaced stays too;
+    /// all others are written before it is refused.
     pub(crate) fn write_all<'c>(
         &self,
         files: impl IntoIterator<Item = (&'c str, &'c [u8])>,

@@ -33,8 +33,8 @@ fn list(folder: &TempDir, text: &str) {
     list.write_all(text.as_bytes()).unwrap();
 }
 
-/// Proves that what was written is replaced and removed; that what the user wrote, or changed, is neither, and is named with the reason while
-/// all else is written; that an identical file stays and is on the list from then on; and that the list says what is there.
+/// Proves that what was written is replaced and removed; that what the user wrote, or changed, is neither, and is named with the reason
+/// while all else is written; that an identical file stays and is on the list from then on; and that the list says what is there.
 #[test]
 fn only_what_is_listed_and_unchanged_is_touched() {
     let folder = TempDir::new().unwrap();
@@ -43,7 +43,7 @@ fn only_what_is_listed_and_unchanged_is_touched() {
     fs::write(at("theirs"), "mine").unwrap();
     fs::write(at("same"), "same").unwrap();
     let results = open(&folder);
-    results.write_all([("own", &b"1"[..]), ("races/one", b"1"), ("same", b"same")]).unwrap();
+    results.write_all([("own", &b"1"[..]), ("interleaved_sets/one", b"1"), ("same", b"same")]).unwrap();
     results.write("own", b"2").unwrap();
     let error = results.write_all([("theirs", &b"x"[..]), ("after", b"x")]).unwrap_err().to_string();
     assert!(error.contains("theirs (not on the list of this folder)") && !error.contains("after"), "{error}");
@@ -51,7 +51,7 @@ fn only_what_is_listed_and_unchanged_is_touched() {
     fs::write(at("own"), "changed").unwrap();
     let error = results.write("own", b"3").unwrap_err().to_string();
     assert!(error.contains("own (changed since it was written)"), "{error}");
-    for name in ["own", "theirs", "after", "races/one", "absent", "../own"] {
+    for name in ["own", "theirs", "after", "interleaved_sets/one", "absent", "../own"] {
         results.remove(name);
     }
     assert_eq!(names(folder.path()), ["own", "same", "theirs", LIST].map(str::to_owned).into());
@@ -167,14 +167,15 @@ fn a_folder_has_one_writer() {
 fn files_in_the_way_are_found_before() {
     let folder = TempDir::new().unwrap();
     let results = open(&folder);
-    let check = || results.check_all(|name| ["run.json", "races"].contains(&name) || name.starts_with("chart_"));
-    results.write_all([("run.json", &b"1"[..]), ("races/one", b"1"), ("pictures/one", b"1")]).unwrap();
-    for name in ["notes.txt", "races/mine", "pictures/mine"] {
+    let check =
+        || results.check_all(|name| ["run.json", "interleaved_sets"].contains(&name) || name.starts_with("chart_"));
+    results.write_all([("run.json", &b"1"[..]), ("interleaved_sets/one", b"1"), ("pictures/one", b"1")]).unwrap();
+    for name in ["notes.txt", "interleaved_sets/mine", "pictures/mine"] {
         fs::write(folder.path().join(name), "mine").unwrap();
     }
     check().unwrap();
     for (name, is_in_the_way) in
-        [("chart_room.svg", true), ("races/one", true), ("run.json", true), ("other.json", false)]
+        [("chart_room.svg", true), ("interleaved_sets/one", true), ("run.json", true), ("other.json", false)]
     {
         let before = fs::read(folder.path().join(name)).ok();
         fs::write(folder.path().join(name), "mine").unwrap();
@@ -186,8 +187,8 @@ fn files_in_the_way_are_found_before() {
         }
     }
     let other = TempDir::new().unwrap();
-    fs::create_dir(other.path().join("races")).unwrap();
-    assert!(open(&other).check_all(|name| name == "races").is_err(), "a folder of the user's is taken");
+    fs::create_dir(other.path().join("interleaved_sets")).unwrap();
+    assert!(open(&other).check_all(|name| name == "interleaved_sets").is_err(), "a folder of the user's is taken");
     // As where a disk ignores case, both spellings are there.
     let both = TempDir::new().unwrap();
     fs::write(both.path().join("Run.json"), "mine").unwrap();

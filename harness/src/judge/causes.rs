@@ -3,7 +3,7 @@
 //! what it declares and the status. A cause needs evidence; what has none is unexplained.
 
 use glam::DVec3;
-use tracebench_api::{Hit, Layers, LineOfSight, Projected, Sampling, Status};
+use tracebench_api::{Hit, Layers, LineOfSight, Projected, SampledImage, Status};
 
 use super::march::{Look, Passage};
 use super::voxels::{Voxels, between};
@@ -18,9 +18,9 @@ const VIEW_PIXELS: f64 = 2.0;
 /// over for the two vertices of an edge.
 pub(super) const RASTER_SNAP_PIXELS: f64 = 1.0 / 64.0;
 
-/// Relative distance of layers that are told apart, and how many of a pixel are looked through.
+/// Relative distance of layers that are distinguished, and how many of a pixel are looked through.
 const LAYER_STEP: f64 = 1e-9;
-const MOST_LAYERS: usize = 256;
+const MAX_LAYERS: usize = 256;
 
 /// Reference pixels within which a wrong hit counts as one with the surface that the ray starts on.
 const SELF_HIT_PIXELS: f64 = 4.0;
@@ -54,7 +54,7 @@ pub const STEP_CAP: &str = "step_cap";
 /// As `SLIPPED_THROUGH`, where the tracer says that it passed behind a surface by more than its thickness.
 pub const THICKNESS_REJECTED: &str = "thickness_rejected";
 /// The tracer passed through space that its last layer hides: it says so, and the ray went behind a surface that a view shows.
-pub const OCCLUDED: &str = "occluded";
+pub const BEHIND_LAST_LAYER: &str = "behind_last_layer";
 /// The tracer made the hit up where its layers hide something.
 pub const INPAINTED: &str = "inpainted";
 
@@ -135,8 +135,8 @@ impl Judge<'_> {
             };
         }
         let point = ray.at(truth.t);
-        let contains = |view: &&Sampling| view.projection.project_inside(point).is_some();
-        let containing: Vec<&Sampling> = self.samplings.iter().filter(contains).collect();
+        let contains = |view: &&SampledImage| view.projection.project_inside(point).is_some();
+        let containing: Vec<&SampledImage> = self.samplings.iter().filter(contains).collect();
         if containing.is_empty() {
             return OFF_VIEW;
         }
@@ -156,13 +156,13 @@ impl Judge<'_> {
         if showing.iter().all(|view| within_pixels(view, ray.origin, point)) {
             return NEAR_START;
         }
-        let occluded = hit.status == Status::Occluded as u32;
+        let occluded = hit.status == Status::BehindLastLayer as u32;
         let is_behind = || showing.iter().any(|view| self.goes_behind(view, ray, truth.t));
-        if occluded && is_behind() { OCCLUDED } else { UNEXPLAINED }
+        if occluded && is_behind() { BEHIND_LAST_LAYER } else { UNEXPLAINED }
     }
 
     /// Whether a ray goes behind a surface that a view shows, before t.
-    fn goes_behind(&self, view: &Sampling, ray: &Ray64, t: f64) -> bool {
+    fn goes_behind(&self, view: &SampledImage, ray: &Ray64, t: f64) -> bool {
         between(ray.t_min, t).map(|t| ray.at(t)).any(|point| {
             let Some(at) = view.projection.project_inside(point) else { return false };
             let line = view.projection.line_through(at.x.floor() + 0.5, at.y.floor() + 0.5);
@@ -195,7 +195,7 @@ impl Judge<'_> {
         // A surface that a pixel shows was met beside it: on its plane, or at the depth that the pixel's centre shows. What is told where
         // a ray enters or leaves a view may lie outside of it by rounding.
         let off = SELF_HIT_PIXELS * self.footprint(point) / ray.direction.length();
-        let shows = |view: &Sampling| {
+        let shows = |view: &SampledImage| {
             let mut points = [t, t + off, t - off].map(|near| ray.at(near)).into_iter();
             points.find_map(|near| Some((near, view.projection.project_inside(near)?))).is_some_and(|(near, at)| {
                 let edge = view.projection.pixel_at(at.depth).length();
@@ -206,7 +206,7 @@ impl Judge<'_> {
     }
 
     /// Whether a pixel next to the one that a point falls on shows a surface at the point's depth, to a few footprints.
-    fn is_shown_beside(&self, view: &Sampling, point: DVec3) -> bool {
+    fn is_shown_beside(&self, view: &SampledImage, point: DVec3) -> bool {
         let Some(at) = view.projection.project_inside(point) else { return false };
         let near = SELF_HIT_PIXELS * self.footprint(point);
         let beside = [-1.0, 0.0, 1.0].map(|moved: f64| moved + 0.5);
@@ -223,14 +223,14 @@ impl Judge<'_> {
     }
 
     /// Whether an answer is off by pixels of a view alone: it falls on one nearby, and lies as near to the true hit's plane.
-    fn is_off_by_pixels(&self, view: &Sampling, answered: DVec3, point: DVec3, truth: TrueHit) -> bool {
+    fn is_off_by_pixels(&self, view: &SampledImage, answered: DVec3, point: DVec3, truth: TrueHit) -> bool {
         let edge = view.projection.project(point).map_or(0.0, |at| view.projection.pixel_at(at.depth).length());
         let off = self.truth.normal(truth.primitive).dot(answered - point).abs();
         within_pixels(view, answered, point) && off <= VIEW_PIXELS * edge
     }
 
     /// Whether a view keeps what lies at a point: more layers than lie before it, and nothing leaves it out.
-    fn shows(&self, view: &Sampling, point: DVec3) -> bool {
+    fn shows(&self, view: &SampledImage, point: DVec3) -> bool {
         if view.layers == Layers::All {
             return true;
         }
@@ -245,14 +245,14 @@ impl Judge<'_> {
     }
 
     /// Whether a view has a layer left for what lies at a point, which it does not keep.
-    fn leaves_out(&self, view: &Sampling, point: DVec3) -> bool {
+    fn leaves_out(&self, view: &SampledImage, point: DVec3) -> bool {
         let reach = self.footprint(point);
         let before = self.kept_along(view, point).filter(|(depth, found)| found.t < depth - reach).count();
         matches!(view.layers, Layers::Chosen { .. }) && before < view.layers.most()
     }
 
     /// What a view keeps along the line of sight through a point, each beside the point's own depth.
-    fn kept_along(&self, view: &Sampling, point: DVec3) -> impl Iterator<Item = (f64, TrueHit)> {
+    fn kept_along(&self, view: &SampledImage, point: DVec3) -> impl Iterator<Item = (f64, TrueHit)> {
         let at = view.projection.project(point);
         at.into_iter().flat_map(|at| {
             self.kept(view.projection.line_through(at.x, at.y), view.layers).map(move |found| (at.depth, found))
@@ -260,8 +260,9 @@ impl Judge<'_> {
     }
 
     /// Whether the centre of the pixel that a point falls on, moved by a rasterizer's rounding in any direction, shows
-    /// the same triangle or one within a footprint in depth, in any layer where all are kept; on a border between pixels, the centres of all of them.
-    fn samples(&self, view: &Sampling, point: DVec3, primitive: u32) -> bool {
+    /// the same triangle or one within a footprint in depth, in any layer where all are kept; on a border between pixels, the centres of
+    /// all of them.
+    fn samples(&self, view: &SampledImage, point: DVec3, primitive: u32) -> bool {
         let Some(at) = view.projection.project_inside(point) else { return false };
         let moves = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         centres(&at).into_iter().all(|centre| {
@@ -299,12 +300,12 @@ impl Judge<'_> {
         let from = move |t_min: f64| self.truth.closest(&Ray64 { origin, direction, t_min, t_max: far });
         // A surface at depth 0 is passed, too.
         let next = move |found: &TrueHit| from((found.t * (1.0 + LAYER_STEP)).max(found.t.next_up()));
-        std::iter::successors(from(near), next).take(MOST_LAYERS)
+        std::iter::successors(from(near), next).take(MAX_LAYERS)
     }
 }
 
 /// Whether two points count as the same sample of a view.
-fn within_pixels(view: &Sampling, from: DVec3, to: DVec3) -> bool {
+fn within_pixels(view: &SampledImage, from: DVec3, to: DVec3) -> bool {
     let (from, to) = (view.projection.project(from), view.projection.project(to));
     from.zip(to).is_some_and(|(from, to)| (from.x - to.x).abs().max((from.y - to.y).abs()) <= VIEW_PIXELS)
 }

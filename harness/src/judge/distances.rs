@@ -10,8 +10,8 @@ use crate::truth::Ray64;
 /// Texels of the common size along the longest edge of the scene's bounds.
 pub const COMMON_TEXELS: f64 = 1280.0;
 
-/// Pieces that are told apart, those with the most rays.
-pub const MOST_PIECES: usize = 16;
+/// Pieces that are distinguished, those with the most rays.
+pub const MAX_PIECES: usize = 16;
 
 /// A ray with a true hit: the piece that it lies on, and how far from it the told one is; `None` for a miss.
 type Measured = (u32, Option<f64>);
@@ -86,7 +86,7 @@ impl Judge<'_> {
         }
         rows.retain(|row| row.rays > 0);
         rows.sort_by_key(|row| (std::cmp::Reverse(row.rays), row.piece));
-        rows.truncate(MOST_PIECES);
+        rows.truncate(MAX_PIECES);
         rows
     }
 }

@@ -2,7 +2,7 @@
 //! scene has. Nothing is asked of the method's structure, which may be what is wrong.
 
 use glam::DVec2;
-use tracebench_api::{ImageMarch, LineOfSight, MarchSteps, Projection, Sampling, View};
+use tracebench_api::{ImageMarch, LineOfSight, MarchSteps, Projection, SampledImage, View};
 
 use super::Judge;
 use super::causes::RASTER_SNAP_PIXELS;
@@ -14,7 +14,7 @@ const T_ROUNDING: f64 = 1e-9;
 
 /// The part of a ray in one image: a line there, along which positions, 1 / depth and t / depth are linear. Places on it run from 0 to 1.
 pub(super) struct Passage<'a> {
-    pub sampling: &'a Sampling,
+    pub sampling: &'a SampledImage,
     pub view: &'a View,
     march: ImageMarch,
     /// Where in equal steps the ray looks, a share.
@@ -157,8 +157,8 @@ impl Judge<'_> {
         Some(Passage { sampling, view, march, share, from, across, inverse_depths, ts_over_depth, first })
     }
 
-    /// The samples that a ray meets where it looks about t: how deep each is, and between which parameters a hit with it is told. Surely, or
-    /// perhaps: wherever a rasterizer's rounding may have moved the sample, or in any such place.
+    /// The samples that a ray meets where it looks about t: how deep each is, and between which parameters a hit with it is told. Surely,
+    /// or perhaps: wherever a rasterizer's rounding may have moved the sample, or in any such place.
     pub(super) fn met_about(&self, passage: &Passage<'_>, ray: &Ray64, t: f64, surely: bool) -> Vec<(f64, [f64; 2])> {
         let Passage { view, march, sampling, .. } = passage;
         let along = ray.direction.dot(view.forward);

@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Sampling, Status, Surface, VoxelGrid};
+use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, SampledImage, Status, Surface, VoxelGrid};
 
-pub use distances::{COMMON_TEXELS, MOST_PIECES};
+pub use distances::{COMMON_TEXELS, MAX_PIECES};
 pub use scores::CURVE_TOLERANCES;
 pub use surfaces::NORMAL_TOLERANCE_DEGREES;
 
@@ -45,7 +45,7 @@ pub struct Judge<'a> {
     /// What was asked.
     pub query: Query,
     /// The images that the tracer sees the scene through; empty if it holds the scene itself.
-    pub samplings: &'a [Sampling],
+    pub samplings: &'a [SampledImage],
     /// The voxels that it knows the scene by.
     pub voxels: Option<VoxelGrid>,
     /// Whether the tracer names the triangle that it hits.

@@ -14,7 +14,7 @@ pub const CURVE_TOLERANCES: [f64; 17] =
 
 impl Judge<'_> {
     pub(super) fn judge_closest(&self, hits: &[Hit]) -> ClosestJudgement {
-        let (ties, many_ties) = self.ambiguous();
+        let (ambiguous_rays, many_ambiguous_rays) = self.ambiguous();
         let by_rule = Rule::ALL.map(|rule| self.count(self.judged(), rule, hits));
         let without_ambiguous = Rule::ALL.map(|rule| agreement(&self.count(self.unambiguous(), rule, hits)));
         let wrong_tight = self.wrong(Rule::Tight, hits, &[]);
@@ -38,19 +38,19 @@ impl Judge<'_> {
             causes: causes.into_iter().collect(),
             wrong_rays: self.wrong_rays(&wrong_tight, hits),
             classes: ByRule { tight, footprint },
-            ties,
-            many_ties,
+            ambiguous_rays,
+            many_ambiguous_rays,
         }
     }
 
     pub(super) fn judge_any(&self, hits: &[Hit]) -> AnyJudgement {
-        let (ties, many_ties) = self.ambiguous();
+        let (ambiguous_rays, many_ambiguous_rays) = self.ambiguous();
         let classes = self.count(self.judged(), Rule::HitMiss, hits);
         let wrong = self.wrong(Rule::HitMiss, hits, &[]);
         AnyJudgement {
             occlusion: occlusion(&classes),
-            ties,
-            many_ties,
+            ambiguous_rays,
+            many_ambiguous_rays,
             causes: [(OCCLUSION.to_owned(), count_causes(&wrong))].into_iter().collect(),
             wrong_rays: self.wrong_rays(&wrong, hits),
         }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{PoisonError, RwLock};
 
 use glam::DVec3;
-use tracebench_api::{ImageChoice, LineOfSight, Orthographic, Projection, Sampling, VoxelGrid};
+use tracebench_api::{ImageChoice, LineOfSight, Orthographic, Projection, SampledImage, VoxelGrid};
 
 use crate::truth::{Ray64, Truth, area_in_box};
 
@@ -56,7 +56,7 @@ struct Average {
 }
 
 /// Where a ray's side was told before it comes to a place, and by which image.
-pub(super) struct Told {
+pub(super) struct SideDecision {
     pub t: f64,
     pub axis: usize,
     /// Whether that is where the ray starts.
@@ -65,7 +65,7 @@ pub(super) struct Told {
 
 impl<'a> Sides<'a> {
     /// `None` of methods that do not tell sides, or do not have an image along every axis.
-    pub(super) fn new(truth: &'a Truth, grid: VoxelGrid, samplings: &[Sampling]) -> Option<Self> {
+    pub(super) fn new(truth: &'a Truth, grid: VoxelGrid, samplings: &[SampledImage]) -> Option<Self> {
         let along = |axis: usize| {
             samplings.iter().find_map(|sampling| match sampling.projection {
                 Projection::Orthographic(image) if image.axis.abs().max_position() == axis => Some(image),
@@ -173,11 +173,11 @@ impl<'a> Sides<'a> {
     }
 
     /// Where the side was told that ends a ray at t.
-    pub(super) fn told_before(&self, ray: &Ray64, t: f64) -> Told {
+    pub(super) fn told_before(&self, ray: &Ray64, t: f64) -> SideDecision {
         let start = self.begins(ray);
         let step = BORDER_TEXELS * self.texel / ray.direction.length();
         if self.choice.from_start {
-            return Told { t: start, axis: self.axis_at(ray.at(start + step), ray.direction), at_start: true };
+            return SideDecision { t: start, axis: self.axis_at(ray.at(start + step), ray.direction), at_start: true };
         }
         // Back through the voxels that are searched by the same image.
         let axis = self.axis_at(ray.at(t), ray.direction);
@@ -194,7 +194,7 @@ impl<'a> Sides<'a> {
             }
         }
         let told = (at + step - self.texel / ray.direction.length()).max(start);
-        Told { t: told, axis, at_start: told <= start }
+        SideDecision { t: told, axis, at_start: told <= start }
     }
 
     /// Whether a ray passes a layer that is stored in the image along an axis, between two parameters.

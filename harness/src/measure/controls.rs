@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use tracebench_api::{
-    Counter, Description, EndPoint, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock,
-    Query, Ray, Residency, Status, Structure, Surface, SurfaceStatus, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock, Query, Ray, Residency,
+    Status, Structure, Surface, SurfaceStatus, TraceJob, TraceTo, Tracer, TracerDescription, TracerError, Update,
+    Viewpoint,
 };
 
 use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceJudgement, TrueCounts};
@@ -53,21 +54,21 @@ impl Control {
     }
 
     /// What it is.
-    pub fn description(self) -> Description {
+    pub fn description(self) -> TracerDescription {
         let (name, summary) = match self {
             Self::Oracle => ("oracle", "answers the ground truth: must score 1"),
             Self::AlwaysMiss => ("always-miss", "never hits: scores the share of rays that miss"),
             Self::AlwaysHit => ("always-hit", "always hits, half the scene's diagonal away"),
             Self::Corrupted => ("corrupted", "answers the truth but for one ray of eight: must score just that"),
         };
-        Description {
+        TracerDescription {
             name,
             citation: "",
             summary,
             residency: Residency::Host,
             invalidated_by: &[],
             names_primitives: self.knows(),
-            ends: &EndPoint::ALL,
+            ends: &TraceTo::ALL,
             queries: &Query::ALL,
             no_refit: None,
             parameters: Vec::new(),
@@ -108,7 +109,7 @@ impl Control {
     /// Checks what the judge made of the control, by what the truth says of the rays.
     ///
     /// # Errors
-    /// What the control scored wrongly; the run is void then.
+    /// What the control scored wrongly; the run is invalid then.
     pub fn check(self, judgement: &Judgement, counts: &TrueCounts) -> Result<(), String> {
         let passed = match judgement {
             Judgement::Closest(closest) => self.passes_closest(closest, counts),
@@ -124,7 +125,7 @@ impl Control {
     /// Checks what the judge made of the control's surfaces, as [`Control::check`] does of its hits.
     ///
     /// # Errors
-    /// What the control scored wrongly; the run is void then.
+    /// What the control scored wrongly; the run is invalid then.
     pub fn check_surfaces(self, judgement: &SurfaceJudgement, counts: &TrueCounts) -> Result<(), String> {
         let SurfaceJudgement { judged, lost, agreement, material, normal, position, .. } = judgement;
         let TrueCounts { hits, misses, .. } = *counts;
@@ -263,7 +264,7 @@ impl Structure for Answering {
                 *hit = self.answer(&rays[index], &answers[index], wrong[index]);
             }
         });
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             let (hits, surfaces) = hits.host_surfaces_mut(rays.len())?;
             clock.host_phase("answer", || {
                 for (index, surface) in surfaces.iter_mut().enumerate() {

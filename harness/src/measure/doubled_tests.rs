@@ -3,29 +3,31 @@
 //! doubled.csv was measured by
 //!
 //! ```text
-//! DOUBLED=$PWD/harness/src/measure/doubled.csv cargo test --release -p tracebench-harness --lib doublings_are_measured -- --ignored --nocapture
+//! DOUBLED=$PWD/harness/src/measure/doubled.csv cargo test --release -p tracebench-harness --lib doublings_are_measured -- --ignored
+//! --nocapture
 //! ```
 //!
 //! on a machine that did nothing else: a line a round has the work, the clock and the times of the work done once and twice, in turn,
-//! milliseconds. Work takes as little as is judged, where what every sample costs once weighs most, and finds caches as a race leaves them.
+//! milliseconds. Work takes as little as is judged, where what every sample costs once weighs most, and finds caches as an interleaved set
+//! leaves them.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use tracebench_api::{ClockKind, EndPoint, Gpu, PhaseClock, Preset, Timing, TracerError};
+use tracebench_api::{ClockKind, Gpu, PhaseClock, Preset, Timing, TraceTo, TracerError};
 use tracebench_kit::FixedWork;
 
-use super::kernels::{LEAST_MS, on_host};
+use super::doubled_work::{MIN_JUDGED_MS, takes, times_as_long};
+use super::kernels::{MIN_MS, on_host};
 use super::run::placed;
-use super::twice::{LEAST_JUDGED_MS, takes, times_as_long};
 use super::*;
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::sampling::Stream;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry;
-use crate::results::{ClockTicks, LEAST_ROUNDS};
+use crate::results::{ClockTicks, MIN_ROUNDS};
 use crate::statistics::{median, percentile};
 use crate::truth::Cache;
 
@@ -33,9 +35,11 @@ use crate::truth::Cache;
 const ROUNDS: usize = 240;
 /// Work of a queue that nobody waits for: a fault, measured.
 const NOT_AWAITED: &str = "kernel, not awaited";
-/// Bytes that are touched before every sample, as other contenders of a race do: what a sample finds of its own in caches is gone.
+/// Bytes that are touched before every sample, as other configurations of an interleaved set do: what a sample finds of its own in caches
+/// is gone.
 const OTHERS: usize = 64 << 20;
-/// The share of either end that the range leaves out: what is right fails twice in a row, which voids times, in one race of a thousand.
+/// The share of either end that the range leaves out: what is right fails twice in a row, which voids times, in one interleaved set of a
+/// thousand.
 const TAIL_PERCENT: f64 = 1.58;
 /// Ends of the range are multiples of this.
 const STEP: f64 = 0.05;
@@ -45,7 +49,7 @@ struct Doubled {
     work: String,
     clock: ClockKind,
     once: Vec<f64>,
-    twice: Vec<f64>,
+    doubled_work: Vec<f64>,
 }
 
 fn clock_name(clock: ClockKind) -> String {
@@ -59,13 +63,13 @@ fn root() -> PathBuf {
 fn measured(table: &[u8]) -> Vec<Doubled> {
     let mut all: Vec<Doubled> = Vec::new();
     for row in csv::Reader::from_reader(table).deserialize::<(String, ClockKind, f64, f64)>() {
-        let (work, clock, once, twice) = row.unwrap();
+        let (work, clock, once, doubled_work) = row.unwrap();
         if all.last().is_none_or(|last| (&last.work, last.clock) != (&work, clock)) {
-            all.push(Doubled { work, clock, once: Vec::new(), twice: Vec::new() });
+            all.push(Doubled { work, clock, once: Vec::new(), doubled_work: Vec::new() });
         }
         let last = all.last_mut().unwrap();
         last.once.push(once);
-        last.twice.push(twice);
+        last.doubled_work.push(doubled_work);
     }
     all
 }
@@ -75,29 +79,32 @@ impl Doubled {
     /// those that were measured.
     fn found(&self, fault: impl Fn(f64, f64) -> (f64, f64)) -> [f64; 3] {
         let rounds: Vec<(f64, f64)> =
-            self.once.iter().zip(&self.twice).map(|(once, twice)| fault(*once, *twice)).collect();
+            self.once.iter().zip(&self.doubled_work).map(|(once, doubled_work)| fault(*once, *doubled_work)).collect();
         let mut stream = Stream::new(1, 0xd0b, 0);
         let mut draw = || rounds[(stream.unit() * rounds.len() as f64) as usize];
-        let mut lot = || {
-            let (once, twice): (Vec<f64>, Vec<f64>) = (0..LEAST_ROUNDS).map(|_| draw()).unzip();
-            times_as_long(&once, &twice).unwrap()
+        let mut samples = || {
+            let (once, doubled_work): (Vec<f64>, Vec<f64>) = (0..MIN_ROUNDS).map(|_| draw()).unzip();
+            times_as_long(&once, &doubled_work).unwrap()
         };
-        let found: Vec<f64> = (0..10_000).map(|_| lot()).collect();
+        let found: Vec<f64> = (0..10_000).map(|_| samples()).collect();
         [TAIL_PERCENT, 50.0, 100.0 - TAIL_PERCENT].map(|percent| percentile(&found, percent).unwrap())
     }
 
     fn truly(&self) -> [f64; 3] {
-        self.found(|once, twice| (once, twice))
+        self.found(|once, doubled_work| (once, doubled_work))
     }
 
     /// What clocks with a fault would find, by fault.
     fn faults(&self) -> Vec<(&'static str, [f64; 3])> {
         let constant = median(&self.once);
         vec![
-            ("adds a constant as large as the work", self.found(|once, twice| (once + constant, twice + constant))),
-            ("counts half of the second", self.found(|once, twice| (once, 0.75 * twice))),
-            ("counts the first alone", self.found(|once, twice| (once, 0.5 * twice))),
-            ("counts the second twice", self.found(|once, twice| (once, 1.5 * twice))),
+            (
+                "adds a constant as large as the work",
+                self.found(|once, doubled_work| (once + constant, doubled_work + constant)),
+            ),
+            ("counts half of the second", self.found(|once, doubled_work| (once, 0.75 * doubled_work))),
+            ("counts the first alone", self.found(|once, doubled_work| (once, 0.5 * doubled_work))),
+            ("counts the second twice", self.found(|once, doubled_work| (once, 1.5 * doubled_work))),
         ]
     }
 }
@@ -129,8 +136,8 @@ fn table(all: &[Doubled]) -> String {
 }
 
 /// Proves that the range of every clock follows by the rule from what was measured, that RULES.md and docs/clock.md say it, and that
-/// every fault lies outside of it for every kind of work: clocks that add a constant, count a part or wait for nothing; one whose ticks are 10 ms is
-/// ruled out by its ticks.
+/// every fault lies outside of it for every kind of work: clocks that add a constant, count a part or wait for nothing; one whose ticks are
+/// 10 ms is ruled out by its ticks.
 #[test]
 fn the_range_follows_from_true_doublings() {
     let all = measured(&std::fs::read(root().join("harness/src/measure/doubled.csv")).unwrap());
@@ -150,14 +157,14 @@ fn the_range_follows_from_true_doublings() {
         let works: Vec<&Doubled> = all.iter().filter(|each| each.clock == clock).collect();
         assert!(works.iter().filter(|each| each.work != NOT_AWAITED).count() >= 3, "three kinds of work");
         for each in works {
-            assert!(each.once.len() >= ROUNDS && each.once.len() == each.twice.len());
+            assert!(each.once.len() >= ROUNDS && each.once.len() == each.doubled_work.len());
             let faults = match each.work.as_str() {
                 NOT_AWAITED => vec![("does not wait", each.truly())],
                 _ => each.faults(),
             };
             for (fault, [low, _, high]) in faults {
                 // Where nobody waits no kernel takes long enough, which is an error.
-                let is_error = each.work == NOT_AWAITED && median(&each.once) < LEAST_MS;
+                let is_error = each.work == NOT_AWAITED && median(&each.once) < MIN_MS;
                 let caught = high < from || low > to || is_error;
                 assert!(caught, "{} by {clock:?} of a clock that {fault}: {low:.2} to {high:.2}", each.work);
             }
@@ -173,7 +180,7 @@ type Sample<'a> = Box<dyn FnMut(usize) -> Result<Timing, TracerError> + 'a>;
 fn double(work: &str, mut sample: Sample<'_>, text: &mut String) {
     // As little as is judged.
     let single = (0..5).map(|_| sample(1).unwrap().total_ms).fold(f64::INFINITY, f64::min);
-    let repeats = (LEAST_JUDGED_MS * 1.2 / single).ceil().clamp(1.0, 12.0) as usize;
+    let repeats = (MIN_JUDGED_MS * 1.2 / single).ceil().clamp(1.0, 12.0) as usize;
     let mut others = vec![0_u8; OTHERS];
     let mut rounds: [Vec<Timing>; 2] = Default::default();
     for round in 0..ROUNDS {
@@ -183,15 +190,15 @@ fn double(work: &str, mut sample: Sample<'_>, text: &mut String) {
         }
     }
     let mut write = |clock: ClockKind, time: &dyn Fn(&Timing) -> Option<f64>| {
-        for (once, twice) in rounds[0].iter().zip(&rounds[1]) {
-            if let Some((once, twice)) = time(once).zip(time(twice)) {
-                let _ = writeln!(text, "\"{work}\",{},{once:.4},{twice:.4}", clock_name(clock));
+        for (once, doubled_work) in rounds[0].iter().zip(&rounds[1]) {
+            if let Some((once, doubled_work)) = time(once).zip(time(doubled_work)) {
+                let _ = writeln!(text, "\"{work}\",{},{once:.4},{doubled_work:.4}", clock_name(clock));
             }
         }
     };
     let own = rounds[0][0].clock;
     // Timestamps that are not believed time nothing.
-    if rounds.iter().all(|lot| Timing::believable(lot)) {
+    if rounds.iter().all(|samples| Timing::plausible(samples)) {
         write(own, &|timing| Some(timing.total_ms));
     }
     if own == ClockKind::DeviceTimestamps {
@@ -204,7 +211,7 @@ fn double(work: &str, mut sample: Sample<'_>, text: &mut String) {
 #[ignore = "wider set: it measures, and takes a minute of a machine that does nothing else; the range is tested by what it has measured"]
 fn doublings_are_measured() {
     let gpu = tracebench_tests::gpu();
-    let mut text = "work,clock,once_ms,twice_ms\n".to_owned();
+    let mut text = "work,clock,once_ms,doubled_work_ms\n".to_owned();
     for name in ["bvh-cpu", "bvh-gpu", "screen-dda"] {
         let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
         let on_device = request.registration.needs_device();
@@ -217,7 +224,7 @@ fn doublings_are_measured() {
             view: ViewRequest::Default,
             time_s: 0.0,
             seed: 1,
-            end: EndPoint::Hit,
+            trace_to: TraceTo::Hit,
             wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
             table: None,
         };
@@ -237,15 +244,15 @@ fn doublings_are_measured() {
             timing
         };
         double(&format!("builds of {name}"), Box::new(build), &mut text);
-        let mut contender = Contender::ready(
+        let mut config = TracerConfig::ready(
             (request.registration.describe)(),
             request.parameters.clone(),
             request.registration.create(&device).unwrap(),
         );
-        session.sample_build(&mut contender).unwrap();
+        session.sample_build(&mut config).unwrap();
         let rays = &session.rays[0];
-        let mut hits = session.hit_buffer(&contender, rays).unwrap();
-        let trace = |repeats: usize| session.sample_trace(&contender, rays, &mut hits, repeats);
+        let mut hits = session.hit_buffer(&config, rays).unwrap();
+        let trace = |repeats: usize| session.sample_trace(&config, rays, &mut hits, repeats);
         double(&format!("traces of {name}"), Box::new(trace), &mut text);
         if name == "bvh-gpu" {
             kernels(&gpu, &mut text);
@@ -263,7 +270,7 @@ fn doublings_are_measured() {
     for clock in [ClockKind::Host, ClockKind::DeviceTimestamps, ClockKind::SubmitToDone] {
         println!("{}: {:?} by the rule", clock_name(clock), range(&all, clock));
     }
-    assert!(all.iter().all(|each| each.once.len() == ROUNDS && each.once.len() == each.twice.len()));
+    assert!(all.iter().all(|each| each.once.len() == ROUNDS && each.once.len() == each.doubled_work.len()));
     if let Ok(out) = std::env::var("DOUBLED") {
         std::fs::write(out, text).unwrap();
     }

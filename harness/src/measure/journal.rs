@@ -1,4 +1,4 @@
-//! What has ended while more is measured: a folder with the plan and a file a race, each written whole.
+//! What has ended while more is measured: a folder with the plan and a file an interleaved set, each written whole.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -12,12 +12,12 @@ use serde_json::Value;
 
 use crate::files::{self, FileError, OutputFolder};
 use crate::machine::{self, Machine};
-use crate::results::MeansRecord;
+use crate::results::LaunchRecord;
 
 /// What the names of its files begin with: a folder below that of the results.
-const FOLDER: &str = "races/";
+const FOLDER: &str = "interleaved_sets/";
 /// The file with the plan.
-const PLAN: &str = "races/plan.json";
+const PLAN: &str = "interleaved_sets/plan.json";
 
 /// Why what has ended cannot be kept or gone on with.
 #[derive(Debug, thiserror::Error)]
@@ -63,12 +63,12 @@ struct Begun {
     plan: Value,
     /// How searches read and are launched where nothing is set: a run that is gone on with takes these, whatever a probe says by then.
     #[serde(default)]
-    means: Option<MeansRecord>,
+    launch: Option<LaunchRecord>,
     started: String,
     resumed: Vec<String>,
 }
 
-/// A race that has ended, with what it is of: one of another plan, or under another name, is none.
+/// An interleaved set that has ended, with what it is of: one of another plan, or under another name, is none.
 #[derive(Serialize, Deserialize)]
 struct Ended<T> {
     plan_sha256: String,
@@ -107,14 +107,14 @@ impl Journal {
         results: &Arc<OutputFolder>,
         plan: &Value,
         machine: &Machine,
-        means: Option<&MeansRecord>,
+        launch: Option<&LaunchRecord>,
     ) -> Result<Self, JournalError> {
         if Self::is_in(results.path()) {
             return Err(JournalError::InTheWay { path: results.path().to_owned() });
         }
-        // Races without a plan are left of nothing that could be gone on with.
+        // Interleaved sets without a plan are left of nothing that could be gone on with.
         Self::take_away(results);
-        let begun = Begun { means: means.cloned(), ..Begun::now(plan, machine) };
+        let begun = Begun { launch: launch.cloned(), ..Begun::now(plan, machine) };
         results.write(PLAN, &files::json(PLAN, &begun)?)?;
         let (started, plan_sha256) = (Some(begun.started), sha256_of(plan));
         Ok(Self { folder: Some(results.clone()), started, plan_sha256, ..Self::default() })
@@ -147,9 +147,9 @@ impl Journal {
             let (theirs, ours) = (begun.machine.label(), now.machine.label());
             return Err(other(&format!("on another machine ({theirs}; this is {ours})")));
         }
-        let races = Self::listed(results).into_iter().filter(|name| results.holds(name));
-        let race = |name: String| Ok((race_of(&name).to_owned(), read(&name)?));
-        let kept = RefCell::new(races.map(race).collect::<Result<_, JournalError>>()?);
+        let interleaved_sets = Self::listed(results).into_iter().filter(|name| results.holds(name));
+        let interleaved_set = |name: String| Ok((interleaved_set_of(&name).to_owned(), read(&name)?));
+        let kept = RefCell::new(interleaved_sets.map(interleaved_set).collect::<Result<_, JournalError>>()?);
         begun.resumed.push(now.started);
         results.write(PLAN, &files::json(PLAN, &begun)?)?;
         let Begun { resumed, started, .. } = begun;
@@ -163,9 +163,9 @@ impl Journal {
     }
 
     /// The means that the run in a folder of results was begun with; none where nothing tells them.
-    pub fn means_of(results: &Path) -> Option<MeansRecord> {
+    pub fn launch_of(results: &Path) -> Option<LaunchRecord> {
         let text = fs::read(results.join(PLAN)).ok()?;
-        serde_json::from_slice::<Begun>(&text).ok()?.means
+        serde_json::from_slice::<Begun>(&text).ok()?.launch
     }
 
     /// The error of a scene that is another one now.
@@ -182,7 +182,7 @@ impl Journal {
     /// What was kept under a name; `None` if there is nothing, or no whole document of the kind.
     pub(super) fn read<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, JournalError> {
         let kept = self.kept.borrow_mut().remove(name);
-        // A race that cannot be read, or is another one, is run again.
+        // An interleaved set that cannot be read, or is another one, is run again.
         let ended = kept.and_then(|text| serde_json::from_slice::<Ended<T>>(&text).ok());
         let own = ended.filter(|ended| ended.plan_sha256 == self.plan_sha256 && ended.name == name);
         Ok(own.map(|ended| ended.ended))
@@ -197,7 +197,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Takes it away: everything stands in the record now.
+    /// Takes it away: everything is in the record now.
     pub fn finish(&self) {
         self.results().into_iter().for_each(Self::take_away);
     }
@@ -209,12 +209,12 @@ impl Journal {
         Self::listed(results).iter().for_each(|name| results.remove(name));
     }
 
-    /// Whether any race has ended.
+    /// Whether any interleaved set has ended.
     pub fn holds(&self) -> bool {
         self.results().is_some_and(Self::holds_in)
     }
 
-    /// Whether any race has ended in a folder of results: of places alone nothing was measured.
+    /// Whether any interleaved set has ended in a folder of results: of places alone nothing was measured.
     pub fn holds_in(results: &OutputFolder) -> bool {
         Self::listed(results).iter().any(|name| !name.ends_with("-place.json") && results.path().join(name).exists())
     }
@@ -224,7 +224,7 @@ impl Journal {
         results.listed().into_iter().filter(|name| name.starts_with(FOLDER) && name != PLAN).collect()
     }
 
-    /// Takes it away if no race has ended yet.
+    /// Takes it away if no interleaved set has ended yet.
     pub fn abandon(&self) {
         if !self.holds() {
             self.finish();
@@ -240,7 +240,7 @@ impl Begun {
             machine: machine.clone(),
             machine_id: machine::machine_id(),
             plan: plan.clone(),
-            means: None,
+            launch: None,
             started: machine::utc_now(),
             resumed: Vec::new(),
         }
@@ -251,8 +251,8 @@ fn sha256_of(plan: &Value) -> String {
     crate::hash::sha256_of(plan.to_string().as_bytes())
 }
 
-/// What a file of a race is of.
-fn race_of(file: &str) -> &str {
+/// What a file of an interleaved set is of.
+fn interleaved_set_of(file: &str) -> &str {
     file.trim_start_matches(FOLDER).trim_end_matches(".json")
 }
 

@@ -1,4 +1,5 @@
-//! The fixed kernels: the same arithmetic in every round, on each clock of a race, by which a change of the machine's speed shows.
+//! The fixed kernels: the same arithmetic in every round, on each clock of an interleaved set, by which a change of the machine's speed
+//! shows.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,11 +12,11 @@ use crate::results::{ClockTicks, KernelRecord};
 use crate::statistics::trend;
 
 /// A kernel has so much work that it takes at least this, milliseconds: far more than a clock's resolution, far less than a round.
-pub(super) const LEAST_MS: f64 = 1.0;
+pub(super) const MIN_MS: f64 = 1.0;
 /// Work that it begins with, tasks; doubled until it is enough.
 const FEWEST_TASKS: u32 = 1 << 9;
 /// Work that is enough for any device.
-const MOST_TASKS: u32 = 1 << 28;
+const MAX_TASKS: u32 = 1 << 28;
 /// Of so many tries the fastest tells whether work is enough.
 const TRIES: usize = 3;
 
@@ -134,12 +135,12 @@ fn on_device(gpu: &Gpu, work: &FixedWork, plan: &FixedWorkPlan) -> Result<Timing
 
 fn enough(sample: impl Fn(u32) -> Result<Timing, TracerError>) -> Result<u32, TracerError> {
     let mut tasks = FEWEST_TASKS;
-    while tasks <= MOST_TASKS {
+    while tasks <= MAX_TASKS {
         let mut fastest = f64::INFINITY;
         for _ in 0..TRIES {
             fastest = fastest.min(sample(tasks)?.total_ms);
         }
-        if fastest >= LEAST_MS {
+        if fastest >= MIN_MS {
             return Ok(tasks);
         }
         tasks *= 2;

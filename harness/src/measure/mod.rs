@@ -1,40 +1,42 @@
-//! The one place that measures: loads scenes, chooses poses, makes contenders, races them, checks controls, keeps records.
+//! The one place that measures: loads scenes, chooses poses, makes configurations, interleaved sets them, checks controls, keeps records.
 //!
-//! What is asked comes as places with contenders, from a plain run or a study; what was found goes back as rows. A place is a
-//! scene from one viewpoint. Its contenders are raced in windows: only the structures of one window are there at a time. A
-//! race, the builds of a window or the traces of a ray set in it, is what is kept as soon as it ends.
+//! What is asked comes as places with configurations, from a plain run or a study; what was found goes back as rows. A place is a
+//! scene from one viewpoint. Its configurations are raced in resident batches: only the structures of one resident batch are there at a
+//! time. A interleaved set, the builds of a resident batch or the traces of a ray set in it, is what is kept as soon as it ends.
 
-mod contender;
 pub mod controls;
+mod doubled_work;
 mod following;
+mod interleaved_set;
 mod journal;
 mod kernels;
-mod place;
-mod race;
 pub(crate) mod records;
+mod resident_batch;
 mod rounds;
 mod run;
 mod scene;
 pub mod session;
 mod sound;
+mod tracer_config;
 mod tracing;
 mod trial;
-mod twice;
-mod window;
+mod workload;
 
 use tracebench_api::TracerError;
 use tracebench_scenes::SceneError;
 
-pub use contender::{BuildSample, Contender, Crew};
 pub use journal::{Journal, JournalError};
-pub(crate) use place::{Effort, Film, Measured, Place, Placed, Refusal, Request, Told};
+pub use resident_batch::MAX_RESIDENT;
+pub(crate) use resident_batch::measure;
 pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_film, measure_scene, nothing, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;
+pub use tracer_config::{BuildSample, TracerCache, TracerConfig};
 pub(crate) use trial::{Trial, against_itself, fresh_and_repeated};
-pub use window::WINDOW;
-pub(crate) use window::measure;
+pub(crate) use workload::{
+    AnimationFrames, MeasureOptions, Measured, Observations, PreparedWorkload, Refusal, Request, Workload,
+};
 
 use crate::viewpoint::PoseError;
 
@@ -82,7 +84,7 @@ pub enum RunError {
     #[error(transparent)]
     Journal(#[from] JournalError),
     /// A control failed.
-    #[error("the run is void: {0}")]
+    #[error("the record is invalid: {0}")]
     Control(String),
     /// A picture of answers could not be made.
     #[error("a picture of answers cannot be made: {0}")]
@@ -108,6 +110,6 @@ mod doubled_tests;
 #[cfg(test)]
 mod replay;
 #[cfg(test)]
-mod tests;
+mod resident_batch_tests;
 #[cfg(test)]
-mod window_tests;
+mod tests;

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use tracebench_api::{
-    ClockKind, Counter, Description, EndPoint, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, Preset,
-    Residency, Status, Timing, Value, Viewpoint,
+    ClockKind, Counter, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, Preset, Residency, Status, Timing,
+    TraceTo, TracerDescription, Value, Viewpoint,
 };
 use tracebench_scenes::{Origin, Scene};
 
 use super::controls::Control;
-use super::race::BuildSamples;
+use super::interleaved_set::BuildSamples;
 use super::session::{PreparedRays, Session};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{
@@ -20,11 +20,11 @@ use crate::statistics::{median, median_interval};
 use crate::viewpoint::Pose;
 
 /// A clock's resolution, milliseconds: a shorter time is not told from it, and no speed is infinite.
-const LEAST_MS: f64 = 1e-6;
+const MIN_MS: f64 = 1e-6;
 
 fn counter_record(counter: &Counter, rays: usize) -> (String, CounterRecord) {
     let per_ray = counter.total as f64 / rays.max(1) as f64;
-    let record = CounterRecord { total: counter.total, per_ray, greatest_per_ray: counter.greatest_per_ray };
+    let record = CounterRecord { total: counter.total, per_ray, max_per_ray: counter.max_per_ray };
     (counter.name.to_owned(), record)
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct Traced<'a> {
     pub rays: &'a PreparedRays,
     /// Its counted samples.
     pub timings: &'a [Timing],
-    /// Whether the timestamps of its race are believed.
+    /// Whether the timestamps of its interleaved set are believed.
     pub believed: bool,
     /// The answers that were judged.
     pub hits: &'a [Hit],
@@ -43,7 +43,7 @@ pub(crate) struct Traced<'a> {
     /// The trace's own buffers.
     pub trace_memory: Vec<MemoryEntry>,
     /// How far they went.
-    pub end: EndPoint,
+    pub trace_to: TraceTo,
     /// The verdict.
     pub judgement: Judgement,
     /// The verdict on surfaces.
@@ -51,23 +51,23 @@ pub(crate) struct Traced<'a> {
 }
 
 pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
-    let Traced { rays, timings, believed, hits, counters, trace_memory, end, judgement, surfaces } = traced;
+    let Traced { rays, timings, believed, hits, counters, trace_memory, trace_to, judgement, surfaces } = traced;
     let times = times(timings, believed);
     let mut statuses = BTreeMap::new();
     for hit in hits {
         let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
         *statuses.entry(name.to_owned()).or_insert(0) += 1;
     }
-    let per_trace = by_name(HitBuffer::memory(end, hits.len()).into_iter().chain(trace_memory));
+    let per_trace = by_name(HitBuffer::memory(trace_to, hits.len()).into_iter().chain(trace_memory));
     TraceRecord {
         rays: rays.set.name.to_owned(),
         rays_sha256: rays.sha256.clone(),
         query: rays.set.query,
         count: hits.len() as u64,
-        end,
+        trace_to,
         per_trace_bytes: per_trace.iter().map(|entry| entry.allocated_bytes).sum(),
         per_trace,
-        mrays_per_s: if timings.is_empty() { 0.0 } else { hits.len() as f64 / times.median_ms.max(LEAST_MS) / 1e3 },
+        mrays_per_s: if timings.is_empty() { 0.0 } else { hits.len() as f64 / times.median_ms.max(MIN_MS) / 1e3 },
         times,
         hits_sha256: crate::hash::sha256_of(hits),
         counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
@@ -95,20 +95,21 @@ fn by_name(parts: impl IntoIterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
 /// Milliseconds by the host below which a lot's timestamps say nothing of others': submission is too large a part of it.
 const TELLING_MS: f64 = 1.0;
 
-/// Whether the timestamps of a race are believed: those of every lot that is long enough to tell. Where one's are not, nobody's are: times
-/// of one race are by one clock.
-pub(super) fn are_believed<'a>(lots: impl IntoIterator<Item = &'a [Timing]>) -> bool {
-    let tells = |lot: &&[Timing]| {
-        let waited: Vec<f64> = lot.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
+/// Whether the timestamps of an interleaved set are believed: those of every lot that is long enough to tell. Where one's are not, nobody's
+/// are: times of one interleaved set are by one clock.
+pub(super) fn are_believed<'a>(timed_samples: impl IntoIterator<Item = &'a [Timing]>) -> bool {
+    let tells = |samples: &&[Timing]| {
+        let waited: Vec<f64> = samples.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
         !waited.is_empty() && median(&waited) >= TELLING_MS
     };
-    lots.into_iter().filter(tells).all(Timing::believable)
+    timed_samples.into_iter().filter(tells).all(Timing::plausible)
 }
 
-/// Samples by their own clock, or of work on the device by the host's where their timestamps or those of their race are not believed.
-pub(super) fn times(timings: &[Timing], race_is_believed: bool) -> Times {
+/// Samples by their own clock, or of work on the device by the host's where their timestamps or those of their interleaved set are not
+/// believed.
+pub(super) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Times {
     let on_device = timings.iter().any(|timing| timing.submit_to_done_ms.is_some());
-    let believed = !on_device || (race_is_believed && Timing::believable(timings));
+    let believed = !on_device || (interleaved_set_is_believed && Timing::plausible(timings));
     let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
     let by_submission: Vec<Timing>;
     let timings = if believed {
@@ -131,9 +132,9 @@ pub(super) fn times(timings: &[Timing], race_is_believed: bool) -> Times {
         submit_to_done_samples_ms: submissions,
         timestamps_refused: !believed,
         grown_samples: timings.iter().filter(|timing| timing.grown).count() as u64,
-        race: None,
-        void: None,
-        aligned_by: None,
+        interleaved_set: None,
+        invalid: None,
+        anchor_scale: None,
     }
 }
 
@@ -145,10 +146,10 @@ pub(super) fn build_record(builds: &BuildSamples, believed: bool, setup_ms: f64)
 }
 
 /// Memory of a structure that is traced to an end.
-pub(crate) fn memory_record(memory: MemoryReport, end: EndPoint) -> MemoryRecord {
+pub(crate) fn memory_record(memory: MemoryReport, trace_to: TraceTo) -> MemoryRecord {
     MemoryRecord {
         structure_bytes: memory.structure_bytes(),
-        geometry_bytes: memory.geometry_bytes_to(end),
+        geometry_bytes: memory.geometry_bytes_to(trace_to),
         structure: memory.structure,
         build_peak_bytes: memory.build_peak_bytes,
     }
@@ -170,7 +171,11 @@ pub(crate) fn request_record(request: &TracerRequest) -> TracerRecord {
     record_of(&(request.registration.describe)(), &request.parameters, Some(request))
 }
 
-fn record_of(description: &Description, parameters: &Parameters, request: Option<&TracerRequest>) -> TracerRecord {
+fn record_of(
+    description: &TracerDescription,
+    parameters: &Parameters,
+    request: Option<&TracerRequest>,
+) -> TracerRecord {
     TracerRecord {
         name: description.name.to_owned(),
         preset: request.map_or("control", |request| request.preset.name()).to_owned(),
@@ -227,7 +232,8 @@ mod tests {
     use super::*;
 
     /// Proves that timestamps which cover next to nothing of the submission are replaced by the host's clock, which the
-    /// record says, and that others are kept; but where one lot of a race is not believed no other one is. Times of the host stay.
+    /// record says, and that others are kept; but where one lot of an interleaved set is not believed no other one is. Times of the host
+    /// stay.
     #[test]
     fn timestamps_that_cannot_be_true_are_refused() {
         let sample = |device: f64| Timing {
@@ -237,7 +243,7 @@ mod tests {
             submit_to_done_ms: Some(20.0),
             grown: false,
         };
-        let by_itself = |lot: &[Timing]| times(lot, are_believed([lot]));
+        let by_itself = |samples: &[Timing]| times(samples, are_believed([samples]));
         let (late, sound) = ([sample(0.03), sample(0.04)], [sample(18.0), sample(19.0)]);
         let refused = by_itself(&late);
         assert_eq!((refused.clock, refused.median_ms), (ClockKind::SubmitToDone, 20.0));
@@ -249,8 +255,12 @@ mod tests {
         assert!(beside.timestamps_refused && beside.clock == ClockKind::SubmitToDone);
         // A lot of less than a millisecond is refused by itself.
         let short = Timing { submit_to_done_ms: Some(0.9), ..sample(0.05) };
-        let race = are_believed([&[short.clone()][..], &sound[..]]);
-        assert!(race && times(&[short], race).timestamps_refused && !times(&sound, race).timestamps_refused);
+        let interleaved_set = are_believed([&[short.clone()][..], &sound[..]]);
+        assert!(
+            interleaved_set
+                && times(&[short], interleaved_set).timestamps_refused
+                && !times(&sound, interleaved_set).timestamps_refused
+        );
         let host = Timing { clock: ClockKind::Host, submit_to_done_ms: None, ..sample(7.0) };
         let of_host = times(&[host], false);
         assert_eq!((of_host.clock, of_host.median_ms, of_host.timestamps_refused), (ClockKind::Host, 7.0, false));

@@ -1,4 +1,4 @@
-//! The rounds of a race: in which order, with which fixed kernels, and how many.
+//! The rounds of an interleaved set: in which order, with which fixed kernels, and how many.
 
 use std::time::Instant;
 
@@ -6,11 +6,11 @@ use tracebench_api::{Gpu, Timing, TracerError};
 
 use super::kernels::{Kernels, Side};
 use crate::rays::sampling::Stream;
-use crate::results::{COVERAGE, EndedBy, Further, LEAST_ROUNDS, Sampling, of_rounds};
+use crate::results::{Adaptive, COVERAGE, MIN_ROUNDS, SampleSchedule, StopReason, of_rounds};
 use crate::statistics::median;
 
-/// Rounds that no race goes beyond: intervals shrink with the root of their number.
-pub(crate) const MOST_ROUNDS: usize = 200;
+/// Rounds that no interleaved set goes beyond: intervals shrink with the root of their number.
+pub(crate) const MAX_ROUNDS: usize = 200;
 
 /// A time below which no interval is waited for, milliseconds: it is near a clock's resolution.
 const NEGLIGIBLE_MS: f64 = 0.02;
@@ -18,11 +18,11 @@ const NEGLIGIBLE_MS: f64 = 0.02;
 /// Tells the numbers that orders are drawn by from those of rays.
 const TAG: u64 = 0x0d3;
 
-/// The order of a round: every lane once, all orders as likely (Fisher, Yates).
-pub(crate) fn order(seed: u64, round: usize, lanes: usize) -> Vec<usize> {
+/// The order of a round: every participant once, all orders as likely (Fisher, Yates).
+pub(crate) fn order(seed: u64, round: usize, participants: usize) -> Vec<usize> {
     let mut stream = Stream::new(seed, TAG, round as u64);
-    let mut order: Vec<usize> = (0..lanes).collect();
-    for last in (1..lanes).rev() {
+    let mut order: Vec<usize> = (0..participants).collect();
+    for last in (1..participants).rev() {
         order.swap(last, (stream.unit() * (last + 1) as f64) as usize);
     }
     order
@@ -30,25 +30,25 @@ pub(crate) fn order(seed: u64, round: usize, lanes: usize) -> Vec<usize> {
 
 /// A round.
 pub(crate) struct Round {
-    /// The lanes, in turn.
+    /// The participants, in turn.
     pub order: Vec<usize>,
     /// Whether its times count.
     pub counts: bool,
 }
 
-/// The rounds of a race.
+/// The rounds of an interleaved set.
 pub(crate) struct Rounds<'a> {
-    /// None where nothing is timed: all is done once, in the order of lanes.
-    pub sampling: Option<Sampling>,
+    /// None where nothing is timed: all is done once, in the order of participants.
+    pub sampling: Option<SampleSchedule>,
     kernels: Vec<(Side, &'a Kernels, Vec<Timing>)>,
     seed: u64,
-    lanes: usize,
+    participants: usize,
     begun: usize,
     counted_since: Option<Instant>,
     /// Of every counted round.
     pub orders: Vec<Vec<usize>>,
     /// What ended it, once it has.
-    pub ended_by: EndedBy,
+    pub stop_reason: StopReason,
     /// The widest interval when it ended.
     pub widest_interval: Option<f64>,
     /// Seconds from the first counted round on.
@@ -56,17 +56,22 @@ pub(crate) struct Rounds<'a> {
 }
 
 impl<'a> Rounds<'a> {
-    /// The rounds of so many lanes.
-    pub fn new(sampling: Option<Sampling>, seed: u64, lanes: usize, kernels: &[(Side, &'a Kernels)]) -> Self {
+    /// The rounds of so many participants.
+    pub fn new(
+        sampling: Option<SampleSchedule>,
+        seed: u64,
+        participants: usize,
+        kernels: &[(Side, &'a Kernels)],
+    ) -> Self {
         Self {
             sampling,
             kernels: kernels.iter().map(|(side, kernels)| (*side, *kernels, Vec::new())).collect(),
             seed,
-            lanes,
+            participants,
             begun: 0,
             counted_since: None,
             orders: Vec::new(),
-            ended_by: EndedBy::Rounds,
+            stop_reason: StopReason::Rounds,
             widest_interval: None,
             sampled_s: 0.0,
         }
@@ -74,11 +79,11 @@ impl<'a> Rounds<'a> {
 
     /// How many there are at least, that which warms up among them.
     pub fn least(&self) -> usize {
-        self.sampling.map_or(1, |sampling| sampling.least_rounds as usize + 1)
+        self.sampling.map_or(1, |sampling| sampling.min_rounds as usize + 1)
     }
 
-    /// The next round, after its kernels; `None` when it is enough. `timed` gives the counted samples of all contenders, by kind of work:
-    /// those of a kind are compared.
+    /// The next round, after its kernels; `None` when it is enough. `timed` gives the counted samples of all configurations, by kind of
+    /// work: those of a kind are compared.
     ///
     /// # Errors
     /// What the device says.
@@ -97,8 +102,8 @@ impl<'a> Rounds<'a> {
             timings.extend(Some(timing).filter(|_| counts));
         }
         let order = match self.sampling {
-            Some(_) => order(self.seed, self.begun, self.lanes),
-            None => (0..self.lanes).collect(),
+            Some(_) => order(self.seed, self.begun, self.participants),
+            None => (0..self.participants).collect(),
         };
         if counts {
             self.counted_since.get_or_insert_with(Instant::now);
@@ -116,42 +121,47 @@ impl<'a> Rounds<'a> {
     fn ends<'t, const KINDS: usize>(&mut self, timed: impl FnOnce() -> [Vec<&'t [Timing]>; KINDS]) -> bool {
         let Some(sampling) = self.sampling else { return true };
         let counted = self.orders.len();
-        if !is_due(sampling.further, counted, self.sampled_s) {
+        if !is_due(sampling.adaptive, counted, self.sampled_s) {
             return false;
         }
-        let limit = sampling.further.map(|further| further.interval_share);
+        let limit = sampling.adaptive.map(|adaptive| adaptive.ratio_precision);
         let kinds = timed();
-        self.widest_interval = kinds.iter().filter_map(|kind| widest(&lots(kind), limit)).reduce(f64::max);
-        let ended_by = ended(sampling.further, counted, self.sampled_s, self.widest_interval);
-        self.ended_by = ended_by.unwrap_or(self.ended_by);
-        ended_by.is_some()
+        self.widest_interval = kinds.iter().filter_map(|kind| widest(&timed_samples(kind), limit)).reduce(f64::max);
+        let stop_reason = ended(sampling.adaptive, counted, self.sampled_s, self.widest_interval);
+        self.stop_reason = stop_reason.unwrap_or(self.stop_reason);
+        stop_reason.is_some()
     }
 }
 
 /// Whether intervals are looked at after so many rounds: at first after each, later after every so many, since each look costs time, and
 /// a chance to stop by luck.
-pub(crate) fn is_due(further: Option<Further>, rounds: usize, sampled_s: f64) -> bool {
-    let up = further.is_none_or(|further| sampled_s >= further.time_limit_s) || rounds >= MOST_ROUNDS;
+pub(crate) fn is_due(adaptive: Option<Adaptive>, rounds: usize, sampled_s: f64) -> bool {
+    let up = adaptive.is_none_or(|adaptive| sampled_s >= adaptive.time_limit_s) || rounds >= MAX_ROUNDS;
     up || rounds.is_multiple_of((rounds / 16).max(1))
 }
 
 /// Whether sampling ends after at least as many rounds as there must be, and why.
-pub(crate) fn ended(further: Option<Further>, rounds: usize, sampled_s: f64, widest: Option<f64>) -> Option<EndedBy> {
-    let Some(Further { interval_share, time_limit_s }) = further else { return Some(EndedBy::Rounds) };
+pub(crate) fn ended(
+    adaptive: Option<Adaptive>,
+    rounds: usize,
+    sampled_s: f64,
+    widest: Option<f64>,
+) -> Option<StopReason> {
+    let Some(Adaptive { ratio_precision, time_limit_s }) = adaptive else { return Some(StopReason::Rounds) };
     match () {
-        () if widest.is_none_or(|width| width < interval_share) => Some(EndedBy::Interval),
-        () if sampled_s >= time_limit_s => Some(EndedBy::TimeLimit),
-        () if rounds >= MOST_ROUNDS => Some(EndedBy::MostRounds),
+        () if widest.is_none_or(|width| width < ratio_precision) => Some(StopReason::Interval),
+        () if sampled_s >= time_limit_s => Some(StopReason::TimeLimit),
+        () if rounds >= MAX_ROUNDS => Some(StopReason::MaxRounds),
         () => None,
     }
 }
 
 /// The widest interval that the ratio of any two lots has, in shares: its upper end over its lower one, less 1. The first that is not
 /// narrower than a limit stands for all. None where there are no two, or too few rounds.
-pub(crate) fn widest(lots: &[Lot], limit: Option<f64>) -> Option<f64> {
+pub(crate) fn widest(timed_samples: &[TimedSamples], limit: Option<f64>) -> Option<f64> {
     let mut widest: Option<f64> = None;
-    for (index, one) in lots.iter().enumerate() {
-        for other in &lots[..index] {
+    for (index, one) in timed_samples.iter().enumerate() {
+        for other in &timed_samples[..index] {
             let both = if one.clock == other.clock { [&one.own, &other.own] } else { [&one.by_host, &other.by_host] };
             let [low, high] =
                 of_rounds(both[0], both[1], COVERAGE).filter(|found| found.coverage >= COVERAGE)?.interval;
@@ -164,15 +174,15 @@ pub(crate) fn widest(lots: &[Lot], limit: Option<f64>) -> Option<f64> {
     widest
 }
 
-/// What one contender's samples are told by.
-pub(crate) struct Lot {
+/// What one configuration's samples are told by.
+pub(crate) struct TimedSamples {
     clock: tracebench_api::ClockKind,
     own: Vec<f64>,
     by_host: Vec<f64>,
 }
 
 #[cfg(test)]
-impl Lot {
+impl TimedSamples {
     /// Times by the host's clock.
     pub fn of_host(times_ms: Vec<f64>) -> Self {
         Self { clock: tracebench_api::ClockKind::Host, by_host: times_ms.clone(), own: times_ms }
@@ -180,26 +190,26 @@ impl Lot {
 }
 
 /// The lots that an interval is waited for.
-fn lots(timed: &[&[Timing]]) -> Vec<Lot> {
+fn timed_samples(timed: &[&[Timing]]) -> Vec<TimedSamples> {
     let believed = super::records::are_believed(timed.iter().copied());
-    let lot = |timings: &&[Timing]| {
+    let samples = |timings: &&[Timing]| {
         let clock = timings.first()?.clock;
         let by_host = timings.iter().map(|timing| timing.submit_to_done_ms.unwrap_or(timing.total_ms)).collect();
         let own: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
-        let waited = timings.len() >= LEAST_ROUNDS as usize && median(&own) >= NEGLIGIBLE_MS;
-        let own = if believed && Timing::believable(timings) { own } else { Vec::clone(&by_host) };
-        waited.then_some(Lot { clock, own, by_host })
+        let waited = timings.len() >= MIN_ROUNDS as usize && median(&own) >= NEGLIGIBLE_MS;
+        let own = if believed && Timing::plausible(timings) { own } else { Vec::clone(&by_host) };
+        waited.then_some(TimedSamples { clock, own, by_host })
     };
-    timed.iter().filter_map(lot).collect()
+    timed.iter().filter_map(samples).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Every order has every lane once, is drawn again by the same seed, and puts every lane first about as often.
+    /// Every order has every participant once, is drawn again by the same seed, and puts every participant first about as often.
     #[test]
-    fn orders_are_drawn_by_lot() {
+    fn orders_are_shuffled() {
         let mut first = [0; 5];
         for round in 0..2000 {
             let drawn = order(7, round, 5);
@@ -214,19 +224,19 @@ mod tests {
         assert_eq!((order(7, 1, 0), order(7, 1, 1)), (vec![], vec![0]));
     }
 
-    /// Sampling ends after fixed rounds, once all intervals are narrow, when the time is up, or at the most rounds; not before.
+    /// SampleSchedule ends after fixed rounds, once all intervals are narrow, when the time is up, or at the most rounds; not before.
     #[test]
     fn sampling_ends() {
-        let further = Some(Further { interval_share: 0.1, time_limit_s: 5.0 });
-        assert_eq!(ended(None, 3, 100.0, None), Some(EndedBy::Rounds));
-        assert_eq!(ended(further, 12, 1.0, Some(0.09)), Some(EndedBy::Interval));
-        assert_eq!(ended(further, 12, 1.0, None), Some(EndedBy::Interval));
-        assert_eq!(ended(further, 12, 1.0, Some(0.11)), None);
-        assert_eq!(ended(further, 12, 5.0, Some(0.11)), Some(EndedBy::TimeLimit));
-        assert_eq!(ended(further, MOST_ROUNDS, 1.0, Some(0.11)), Some(EndedBy::MostRounds));
-        let looks = (12..100).filter(|rounds| is_due(further, *rounds, 1.0)).count();
-        assert!((30..60).contains(&looks) && (12..32).all(|rounds| is_due(further, rounds, 1.0)), "{looks}");
-        assert!(!is_due(further, 99, 1.0) && is_due(further, 99, 5.0) && is_due(further, MOST_ROUNDS, 1.0));
+        let adaptive = Some(Adaptive { ratio_precision: 0.1, time_limit_s: 5.0 });
+        assert_eq!(ended(None, 3, 100.0, None), Some(StopReason::Rounds));
+        assert_eq!(ended(adaptive, 12, 1.0, Some(0.09)), Some(StopReason::Interval));
+        assert_eq!(ended(adaptive, 12, 1.0, None), Some(StopReason::Interval));
+        assert_eq!(ended(adaptive, 12, 1.0, Some(0.11)), None);
+        assert_eq!(ended(adaptive, 12, 5.0, Some(0.11)), Some(StopReason::TimeLimit));
+        assert_eq!(ended(adaptive, MAX_ROUNDS, 1.0, Some(0.11)), Some(StopReason::MaxRounds));
+        let looks = (12..100).filter(|rounds| is_due(adaptive, *rounds, 1.0)).count();
+        assert!((30..60).contains(&looks) && (12..32).all(|rounds| is_due(adaptive, rounds, 1.0)), "{looks}");
+        assert!(!is_due(adaptive, 99, 1.0) && is_due(adaptive, 99, 5.0) && is_due(adaptive, MAX_ROUNDS, 1.0));
     }
 
     /// The widest interval is that of the worst pair: one that scatters keeps all waiting, one that is too short to tell does not.
@@ -242,7 +252,8 @@ mod tests {
             };
             (0..12).map(sample).collect()
         };
-        let of = |all: &[Vec<Timing>]| widest(&lots(&all.iter().map(|each| &each[..]).collect::<Vec<_>>()), None);
+        let of =
+            |all: &[Vec<Timing>]| widest(&timed_samples(&all.iter().map(|each| &each[..]).collect::<Vec<_>>()), None);
         let (steady, slower, wild) = (timings(1.0, 0.0), timings(2.0, 0.001), timings(1.0, 0.05));
         assert!(of(&[steady.clone(), slower.clone()]).unwrap() < 0.02);
         assert!(of(&[steady.clone(), slower, wild]).unwrap() > 0.3);

@@ -1,4 +1,4 @@
-//! Plain runs: every contender of a plan in every scene.
+//! Plain runs: every configuration of a plan in every scene.
 
 use std::cell::{OnceCell, RefCell};
 
@@ -8,13 +8,13 @@ use tracebench_scenes::Scene;
 
 use super::controls::Control;
 use super::kernels::Kernels;
-use super::place::{Effort, Film, Hook, Measured, Place, Placed, Refusal, Request};
-use super::window::measure;
-use super::{Contender, Crew, Journal, RunError, load, prepare, records};
+use super::resident_batch::measure;
+use super::workload::{AnimationFrames, Hook, MeasureOptions, Measured, PreparedWorkload, Refusal, Request, Workload};
+use super::{Journal, RunError, TracerCache, TracerConfig, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
 use crate::registry::Device;
-use crate::results::{MeansRecord, Provenance, Run, SCHEMA, Skipped, TracerRun};
+use crate::results::{LaunchRecord, Provenance, Record, Row, SCHEMA, Skipped};
 use crate::truth::Cache;
 
 /// What everything is measured with.
@@ -30,16 +30,16 @@ pub struct Context<'a> {
     /// Which of the plan's places are measured; all without one.
     pub shard: Option<Shard>,
     /// How searches read and are launched where nothing is set: what the requests have taken.
-    pub means: Option<MeansRecord>,
-    pub(super) crew: RefCell<Crew>,
+    pub launch: Option<LaunchRecord>,
+    pub(super) tracer_cache: RefCell<TracerCache>,
     kernels: OnceCell<Kernels>,
 }
 
 impl<'a> Context<'a> {
     /// Everything, and nothing is kept before all has ended.
     pub fn new(device: &'a Device, cache: &'a Cache, progress: &'a Progress, journal: &'a Journal) -> Self {
-        let (crew, kernels) = (RefCell::default(), OnceCell::new());
-        Self { device, cache, progress, journal, shard: None, means: None, crew, kernels }
+        let (tracer_cache, kernels) = (RefCell::default(), OnceCell::new());
+        Self { device, cache, progress, journal, shard: None, launch: None, tracer_cache, kernels }
     }
 
     /// A part of the places alone.
@@ -50,11 +50,11 @@ impl<'a> Context<'a> {
 
     /// With means that the requests have taken.
     #[must_use]
-    pub fn with_means(self, means: Option<MeansRecord>) -> Self {
-        Self { means, ..self }
+    pub fn with_launch_settings(self, launch: Option<LaunchRecord>) -> Self {
+        Self { launch, ..self }
     }
 
-    /// The fixed kernels, made for the first race that is timed.
+    /// The fixed kernels, made for the first interleaved set that is timed.
     pub(super) fn kernels(&self) -> Result<&Kernels, TracerError> {
         if let Some(made) = self.kernels.get() {
             return Ok(made);
@@ -73,13 +73,13 @@ impl<'a> Context<'a> {
     /// # Errors
     /// What the tracer says.
     pub(crate) fn create(&self, request: &TracerRequest) -> Result<(), TracerError> {
-        self.crew.borrow_mut().contender(request, self.device).map(drop)
+        self.tracer_cache.borrow_mut().config(request, self.device).map(drop)
     }
 
-    /// A stand-in for a contender that cannot be created.
-    pub(super) fn absent(&self, request: &TracerRequest) -> Contender {
+    /// A stand-in for a configuration that cannot be created.
+    pub(super) fn absent(&self, request: &TracerRequest) -> TracerConfig {
         let nothing = Control::AlwaysMiss.tracer(Vec::new(), 1.0);
-        Contender::ready((request.registration.describe)(), request.parameters.clone(), nothing)
+        TracerConfig::ready((request.registration.describe)(), request.parameters.clone(), nothing)
     }
 
     /// That the device can hold the rays of requests which must have one: known before the truth is told, which takes long for
@@ -99,18 +99,18 @@ impl<'a> Context<'a> {
 /// Runs everything.
 ///
 /// # Errors
-/// [`RunError`] as its variants say; races that ended are in the journal.
-pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Run, RunError> {
+/// [`RunError`] as its variants say; interleaved sets that ended are in the journal.
+pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
     execute_all(std::slice::from_ref(plan), context)
 }
 
 /// Runs plans one after the other into one run, for what no single plan has: several resolutions, or several values of what is said
-/// about ray sets. The first tells what is said of the run as a whole. Contenders are interleaved within a plan.
+/// about ray sets. The first tells what is said of the run as a whole. Configurations are interleaved within a plan.
 ///
 /// # Errors
-/// [`RunError`] as its variants say; races that ended are in the journal.
-pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Run, RunError> {
-    let mut run = begin(plans, context);
+/// [`RunError`] as its variants say; interleaved sets that ended are in the journal.
+pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunError> {
+    let mut record = begin(plans, context);
     for plan in plans {
         context.check_rays(plan, plan.tracers.iter().any(TracerRequest::must_have_device))?;
     }
@@ -118,19 +118,19 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Run, RunErro
     for plan in plans {
         let requests: Vec<Request> = plan.tracers.iter().map(Request::of).collect();
         let mut said = records::json_values(&plan.ray_parameters);
-        said.retain(|name, value| run.ray_parameters.get(name) != Some(&*value));
+        said.retain(|name, value| record.ray_parameters.get(name) != Some(&*value));
         for (place, scene) in load(plan, context.progress)?.into_iter().enumerate() {
             if context.takes(place) {
-                let effort = Effort::timed(plan);
-                let found = measure_scene(index, plan, scene, &requests, effort, None, context)?.saying(&said);
-                for (request, refused) in add(&mut run, found) {
-                    refuse(&mut run, &records::request_record(&requests[request].tracer).label(), None, refused);
+                let options = MeasureOptions::timed(plan);
+                let found = measure_scene(index, plan, scene, &requests, options, None, context)?.saying(&said);
+                for (request, refused) in add(&mut record, found) {
+                    refuse(&mut record, &records::request_record(&requests[request].tracer).label(), None, refused);
                 }
             }
             index += 1;
         }
     }
-    if run.runs.is_empty() && context.shard.is_none() { Err(nothing(&run)) } else { Ok(run) }
+    if record.rows.is_empty() && context.shard.is_none() { Err(nothing(&record)) } else { Ok(record) }
 }
 
 /// Measures requests in a scene from the plan's viewpoint.
@@ -142,11 +142,11 @@ pub(crate) fn measure_scene(
     plan: &Plan,
     scene: Scene,
     requests: &[Request],
-    effort: Effort,
+    options: MeasureOptions,
     hook: Option<Hook<'_>>,
     context: &Context<'_>,
 ) -> Result<Measured, RunError> {
-    measure_film(index, plan, (scene, None), requests, effort, hook, context)
+    measure_film(index, plan, (scene, None), requests, options, hook, context)
 }
 
 /// The same in a scene that is the last frame of a film, if there is one.
@@ -156,32 +156,32 @@ pub(crate) fn measure_scene(
 pub(crate) fn measure_film(
     index: usize,
     plan: &Plan,
-    frame: (Scene, Option<Film>),
+    frame: (Scene, Option<AnimationFrames>),
     requests: &[Request],
-    effort: Effort,
+    options: MeasureOptions,
     hook: Option<Hook<'_>>,
     context: &Context<'_>,
 ) -> Result<Measured, RunError> {
     let sha256 = frame.0.sha256.clone();
     let frame = RefCell::new(Some(frame));
     let prepare = || match frame.take() {
-        Some((scene, film)) => Ok(Placed { film, ..placed(plan, scene, context)? }),
+        Some((scene, film)) => Ok(PreparedWorkload { film, ..placed(plan, scene, context)? }),
         None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
     };
-    measure(&Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, effort, hook }, context)
+    measure(&Workload { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, options, hook }, context)
 }
 
 /// A scene from the plan's viewpoint, ready to be measured.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub(super) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result<Placed, RunError> {
+pub(super) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result<PreparedWorkload, RunError> {
     let loaded = prepare(plan, scene, context.device, context.cache, context.progress)?;
     let viewpoint = records::viewpoint_record(plan, &loaded.pose, &loaded.session);
-    Ok(Placed {
+    Ok(PreparedWorkload {
         scene: loaded.record,
         viewpoint,
-        strength: None,
+        difficulty_level: None,
         session: loaded.session,
         film: None,
         told: serde_json::Value::Null,
@@ -189,10 +189,10 @@ pub(super) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result
 }
 
 /// A run without anything measured yet; the first plan tells what is said of it as a whole.
-pub(crate) fn begin(plans: &[Plan], context: &Context<'_>) -> Run {
+pub(crate) fn begin(plans: &[Plan], context: &Context<'_>) -> Record {
     let requests = || plans.iter().flat_map(|plan| &plan.tracers);
     let first = plans.first();
-    Run {
+    Record {
         seed: first.map_or(0, |plan| plan.seed),
         preset: first.map_or("", |plan| plan.preset.name).to_owned(),
         table: first.and_then(|plan| plan.table).map(str::to_owned),
@@ -202,7 +202,7 @@ pub(crate) fn begin(plans: &[Plan], context: &Context<'_>) -> Run {
 }
 
 /// A record of requests without a plan.
-pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, context: &Context<'_>) -> Run {
+pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, context: &Context<'_>) -> Record {
     let needs_adapter = requests.into_iter().any(|request| request.registration.needs_device());
     let gpu = context.device.as_deref().ok().filter(|_| needs_adapter);
     let mut provenance = Provenance::now(gpu);
@@ -211,9 +211,9 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         started.clone_into(&mut provenance.started);
     }
     provenance.resumed = resumed.to_vec();
-    provenance.means.clone_from(&context.means);
+    provenance.launch.clone_from(&context.launch);
     provenance.shard = context.shard.as_ref().map(Shard::record);
-    Run {
+    Record {
         schema: SCHEMA,
         provenance,
         seed: 0,
@@ -229,26 +229,26 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         ray_parameters: Default::default(),
         control_names: Control::names(),
         controls: Vec::new(),
-        runs: Vec::new(),
+        rows: Vec::new(),
         anchors: Vec::new(),
-        races: Vec::new(),
+        interleaved_sets: Vec::new(),
         skipped: Vec::new(),
     }
 }
 
 /// Adds what was measured in a place, and gives who could not be, by request.
-pub(crate) fn add(run: &mut Run, found: Measured) -> Vec<(usize, (String, Refusal))> {
-    let Measured { scene, controls, rows, anchors, races, skipped, .. } = found;
-    let before = run.races.len() as u32;
-    let placed = |row: TracerRun| row.with_races_after(before);
-    run.skipped.extend(skipped);
-    run.controls.extend(controls.into_iter().map(placed));
-    run.anchors.extend(anchors.into_iter().map(placed));
-    run.races.extend(races);
+pub(crate) fn add(record: &mut Record, found: Measured) -> Vec<(usize, (String, Refusal))> {
+    let Measured { scene, controls, rows, anchors, interleaved_sets, skipped, .. } = found;
+    let before = record.interleaved_sets.len() as u32;
+    let placed = |row: Row| row.with_races_after(before);
+    record.skipped.extend(skipped);
+    record.controls.extend(controls.into_iter().map(placed));
+    record.anchors.extend(anchors.into_iter().map(placed));
+    record.interleaved_sets.extend(interleaved_sets);
     let mut refused = Vec::new();
     for (request, row) in rows.into_iter().enumerate() {
         match row {
-            Ok(row) => run.runs.push(placed(row)),
+            Ok(row) => record.rows.push(placed(row)),
             Err(refusal) => refused.push((request, (scene.name.clone(), refusal))),
         }
     }
@@ -256,16 +256,16 @@ pub(crate) fn add(run: &mut Run, found: Measured) -> Vec<(usize, (String, Refusa
 }
 
 /// Notes what could not be measured in a scene.
-pub(crate) fn refuse(run: &mut Run, tracer: &str, what: Option<&str>, (scene, refusal): (String, Refusal)) {
+pub(crate) fn refuse(record: &mut Record, tracer: &str, what: Option<&str>, (scene, refusal): (String, Refusal)) {
     let tracer = Some(what.map_or_else(|| tracer.to_owned(), |what| format!("{tracer} ({what})")));
-    run.skipped.push(Skipped { tracer, scene, rays: None, reason: refusal.reason });
+    record.skipped.push(Skipped { tracer, scene, rays: None, reason: refusal.reason });
 }
 
 /// The error of a run in which nothing could run, with every reason once.
-pub(crate) fn nothing(run: &Run) -> RunError {
+pub(crate) fn nothing(record: &Record) -> RunError {
     let reason = |skipped: &Skipped| match &skipped.tracer {
         Some(tracer) => format!("{tracer}: {}", skipped.reason),
         None => skipped.reason.clone(),
     };
-    RunError::Nothing(run.skipped.iter().map(reason).unique().join("; "))
+    RunError::Nothing(record.skipped.iter().map(reason).unique().join("; "))
 }

@@ -136,5 +136,9 @@ pub fn prepare(
         mirrors: &mirrors,
     };
     let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
-    Ok(LoadedScene { record, pose, session: session.ending_at(plan.end).keeping_wrong_rays(plan.wrong_rays_per_cause) })
+    Ok(LoadedScene {
+        record,
+        pose,
+        session: session.tracing_to(plan.trace_to).keeping_wrong_rays(plan.wrong_rays_per_cause),
+    })
 }

@@ -1,21 +1,21 @@
-//! One scene from one viewpoint: its rays and truth made once, every contender built and sampled through the one clock.
+//! One scene from one viewpoint: its rays and truth made once, every configuration built and sampled through the one clock.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, Sampling,
-    Surface, Timing, TraceJob, TracerError, Viewpoint, VoxelGrid,
+    Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, SampledImage, Surface,
+    Timing, TraceJob, TraceTo, TracerError, Viewpoint, VoxelGrid,
 };
 use tracebench_scenes::CameraPath;
 
 use crate::judge::{Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
 use crate::measure::controls::{Control, KnownAnswers};
-use crate::measure::place::Told;
-use crate::measure::{BuildSample, Contender};
+use crate::measure::workload::Observations;
+use crate::measure::{BuildSample, TracerConfig};
 use crate::progress::Progress;
-use crate::rays::{self, Made, Pixel, RayError, RayParameters, RayScene, RaySet, Starts};
+use crate::rays::{self, GeneratedRays, Pixel, RayError, RayParameters, RayScene, RaySet, Starts};
 use crate::results::{Judgement, OCCLUSION, Skipped, SurfaceJudgement, TrueCounts, one_sided};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
@@ -28,7 +28,7 @@ pub enum SessionError {
     /// Rays do not fit the device.
     #[error(transparent)]
     Tracer(#[from] TracerError),
-    /// A contender gave answers that are none.
+    /// A configuration gave answers that are none.
     #[error("{tracer} on ray set {rays}: {error}")]
     Judge {
         /// The tracer.
@@ -63,9 +63,9 @@ impl PreparedRays {
 
 /// What a tracer sees the scene through, as the judge is told.
 #[derive(Default)]
-pub struct Sight {
+pub struct SamplingModel {
     /// The images.
-    pub samplings: Vec<Sampling>,
+    pub samplings: Vec<SampledImage>,
     /// The voxels.
     pub voxels: Option<VoxelGrid>,
 }
@@ -75,7 +75,7 @@ pub struct Session {
     gpu: Option<Arc<Gpu>>,
     truth: Truth,
     viewpoint: Viewpoint,
-    end: EndPoint,
+    trace_to: TraceTo,
     wrong_rays_per_cause: usize,
     /// The host's clock.
     now: fn() -> Instant,
@@ -146,7 +146,7 @@ impl Session {
                     continue;
                 }
             };
-            let Made { rays, pixels } = made;
+            let GeneratedRays { rays, pixels } = made;
             progress.say(&format!("  rays {}: {}", set.name, rays.len()));
             let answers = if Arc::ptr_eq(&rays, &primary.rays) {
                 Arc::clone(&primary.answers)
@@ -164,7 +164,7 @@ impl Session {
             gpu,
             truth,
             viewpoint,
-            end: EndPoint::Hit,
+            trace_to: TraceTo::Hit,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
             now: Instant::now,
             rays: prepared,
@@ -190,7 +190,7 @@ impl Session {
             gpu,
             truth,
             viewpoint,
-            end: EndPoint::Hit,
+            trace_to: TraceTo::Hit,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
             now: Instant::now,
             rays,
@@ -200,8 +200,8 @@ impl Session {
 
     /// The same session with traces to another end than hits.
     #[must_use]
-    pub fn ending_at(self, end: EndPoint) -> Self {
-        Self { end, ..self }
+    pub fn tracing_to(self, trace_to: TraceTo) -> Self {
+        Self { trace_to, ..self }
     }
 
     /// The same session with judgements that keep another number of wrong rays of each cause.
@@ -217,8 +217,8 @@ impl Session {
     }
 
     /// How far traces go.
-    pub fn end(&self) -> EndPoint {
-        self.end
+    pub fn trace_to(&self) -> TraceTo {
+        self.trace_to
     }
 
     /// The scene's triangles.
@@ -246,32 +246,32 @@ impl Session {
         self.gpu.clone()
     }
 
-    /// The controls as contenders.
-    pub fn controls(&self) -> Vec<(Control, Contender)> {
+    /// The controls as configurations.
+    pub fn controls(&self) -> Vec<(Control, TracerConfig)> {
         let known: KnownAnswers =
             self.rays.iter().map(|rays| (Arc::clone(&rays.buffer.host), Arc::clone(&rays.answers))).collect();
-        let contender = |control: Control| {
+        let config = |control: Control| {
             let parameters = Parameters::preset(&[], tracebench_api::Preset::Published);
             let tracer = control.tracer(known.clone(), self.truth.diagonal());
-            (control, Contender::ready(control.description(), parameters, tracer))
+            (control, TracerConfig::ready(control.description(), parameters, tracer))
         };
-        Control::ALL.into_iter().map(contender).collect()
+        Control::ALL.into_iter().map(config).collect()
     }
 
-    /// Builds once over the scene and gives the times, as [`Contender::build`].
+    /// Builds once over the scene and gives the times, as [`TracerConfig::build`].
     ///
     /// # Errors
     /// What the tracer says.
-    pub fn sample_build(&self, contender: &mut Contender) -> Result<BuildSample, TracerError> {
-        contender.build(self.geometry(), &self.viewpoint, self.gpu())
+    pub fn sample_build(&self, config: &mut TracerConfig) -> Result<BuildSample, TracerError> {
+        config.build(self.geometry(), &self.viewpoint, self.gpu())
     }
 
-    /// Room for a contender's answers to a ray set.
+    /// Room for a configuration's answers to a ray set.
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold them.
-    pub fn hit_buffer(&self, contender: &Contender, rays: &PreparedRays) -> Result<HitBuffer, TracerError> {
-        HitBuffer::for_end(self.end, rays.buffer.host.len(), contender.description.residency, self.gpu())
+    pub fn hit_buffer(&self, config: &TracerConfig, rays: &PreparedRays) -> Result<HitBuffer, TracerError> {
+        HitBuffer::tracing_to(self.trace_to, rays.buffer.host.len(), config.description.residency, self.gpu())
     }
 
     /// Poisons the hits, traces so many times (once, but for the control of the clock) and gives the time of all together.
@@ -280,7 +280,7 @@ impl Session {
     /// What the tracer says.
     pub fn sample_trace(
         &self,
-        contender: &Contender,
+        config: &TracerConfig,
         rays: &PreparedRays,
         hits: &mut HitBuffer,
         repeats: usize,
@@ -288,7 +288,7 @@ impl Session {
         hits.poison(self.gpu())?;
         let mut clock = PhaseClock::read_by(self.gpu(), self.now);
         for _ in 0..repeats {
-            contender.structure()?.trace(self.job(contender, rays), hits, &mut clock)?;
+            config.structure()?.trace(self.job(config, rays), hits, &mut clock)?;
         }
         clock.finish()
     }
@@ -299,14 +299,14 @@ impl Session {
     /// [`TracerError::Failed`] if they differ, or what the tracer says.
     pub fn count(
         &self,
-        contender: &Contender,
+        config: &TracerConfig,
         rays: &PreparedRays,
         timed: &[Hit],
         surfaces: &[Surface],
     ) -> Result<Vec<tracebench_api::Counter>, TracerError> {
-        let mut hits = self.hit_buffer(contender, rays)?;
+        let mut hits = self.hit_buffer(config, rays)?;
         hits.poison(self.gpu())?;
-        let counters = contender.structure()?.trace_counted(self.job(contender, rays), &mut hits)?;
+        let counters = config.structure()?.trace_counted(self.job(config, rays), &mut hits)?;
         let (counted, of_counted) = (hits.read(self.gpu())?, hits.read_surfaces(self.gpu())?);
         let same_hits = bytemuck::cast_slice::<Hit, u8>(&counted) == bytemuck::cast_slice::<Hit, u8>(timed);
         let same_surfaces =
@@ -314,7 +314,7 @@ impl Session {
         if !same_hits || !same_surfaces {
             return Err(TracerError::Failed(format!(
                 "{} gives other hits or surfaces to ray set {} when it counts than when it is timed",
-                contender.description.name, rays.set.name
+                config.description.name, rays.set.name
             )));
         }
         Ok(counters)
@@ -324,35 +324,36 @@ impl Session {
     ///
     /// # Errors
     /// [`TracerError::Failed`] before the first build.
-    pub fn trace_memory(&self, contender: &Contender, rays: &PreparedRays) -> Result<Vec<MemoryEntry>, TracerError> {
-        contender.structure()?.trace_memory(self.job(contender, rays))
+    pub fn trace_memory(&self, config: &TracerConfig, rays: &PreparedRays) -> Result<Vec<MemoryEntry>, TracerError> {
+        config.structure()?.trace_memory(self.job(config, rays))
     }
 
-    fn job<'a>(&self, contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {
-        TraceJob { rays: &rays.buffer, end: self.end, parameters: &contender.parameters }
+    fn job<'a>(&self, config: &'a TracerConfig, rays: &'a PreparedRays) -> TraceJob<'a> {
+        TraceJob { rays: &rays.buffer, trace_to: self.trace_to, parameters: &config.parameters }
     }
 
-    /// What a contender sees the scene through.
+    /// What a configuration sees the scene through.
     ///
     /// # Errors
     /// [`TracerError::Failed`] before the first build, or what the tracer says.
-    pub fn sight(&self, contender: &Contender) -> Result<Sight, TracerError> {
-        let structure = contender.structure()?;
-        Ok(Sight {
-            samplings: structure.samplings(&contender.parameters)?,
-            voxels: structure.voxels(&contender.parameters)?,
+    pub fn sampling_model(&self, config: &TracerConfig) -> Result<SamplingModel, TracerError> {
+        let structure = config.structure()?;
+        Ok(SamplingModel {
+            samplings: structure.samplings(&config.parameters)?,
+            voxels: structure.voxels(&config.parameters)?,
         })
     }
 
-    /// Judges a contender's answers.
+    /// Judges a configuration's answers.
     ///
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
-    pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let sight = self.sight(contender)?;
-        let names_primitives = contender.description.names_primitives;
-        let judge = Judge { names_primitives, voxels: sight.voxels, ..self.judge_of(rays, &sight.samplings) };
-        judge.judge(hits).map_err(|error| no_answers(contender.description.name, rays, error))
+    pub fn judge(&self, config: &TracerConfig, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
+        let sampling_model = self.sampling_model(config)?;
+        let names_primitives = config.description.names_primitives;
+        let judge =
+            Judge { names_primitives, voxels: sampling_model.voxels, ..self.judge_of(rays, &sampling_model.samplings) };
+        judge.judge(hits).map_err(|error| no_answers(config.description.name, rays, error))
     }
 
     /// The judge's causes of wrong answers among some of them, and how many have each; of an any-hit set whatever the rule.
@@ -364,35 +365,35 @@ impl Session {
         tracer: &str,
         rays: &PreparedRays,
         rule: Rule,
-        told: &Told,
+        told: &Observations,
         of: &[usize],
     ) -> Result<BTreeMap<String, u64>, SessionError> {
         let hosts: Vec<Ray> = of.iter().map(|ray| rays.buffer.host[*ray]).collect();
         let answers: Vec<Answer> = of.iter().map(|ray| rays.answers[*ray].clone()).collect();
         let hits: Vec<Hit> = of.iter().map(|ray| told.hits[*ray]).collect();
-        let judge = self.judge_of(rays, &told.sight.samplings);
-        let judge = Judge { rays: &hosts, answers: &answers, voxels: told.sight.voxels, ..judge };
+        let judge = self.judge_of(rays, &told.sampling_model.samplings);
+        let judge = Judge { rays: &hosts, answers: &answers, voxels: told.sampling_model.voxels, ..judge };
         let judged = judge.judge(&hits).map_err(|error| no_answers(tracer, rays, error))?;
         let rule = if rays.set.query == Query::Any { OCCLUSION } else { rule.name() };
         Ok(judged.causes().get(rule).cloned().unwrap_or_default())
     }
 
-    /// Judges a contender's surfaces; nothing where traces do not go that far.
+    /// Judges a configuration's surfaces; nothing where traces do not go that far.
     ///
     /// # Errors
     /// [`SessionError::Judge`] if they are not those of the hits.
     pub fn judge_surfaces(
         &self,
-        contender: &Contender,
+        config: &TracerConfig,
         rays: &PreparedRays,
         hits: &[Hit],
         surfaces: &[Surface],
     ) -> Result<Option<SurfaceJudgement>, SessionError> {
-        if self.end == EndPoint::Hit {
+        if self.trace_to == TraceTo::Hit {
             return Ok(None);
         }
         let judged = self.judge_of(rays, &[]).judge_surfaces(hits, surfaces);
-        judged.map(Some).map_err(|error| no_answers(contender.description.name, rays, error))
+        judged.map(Some).map_err(|error| no_answers(config.description.name, rays, error))
     }
 
     /// The class of every answer under a rule, as [`Judge::classes`].
@@ -409,7 +410,7 @@ impl Session {
         self.judge_of(rays, &[]).classes(rule, hits).map_err(|error| no_answers(tracer, rays, error))
     }
 
-    fn judge_of<'a>(&'a self, rays: &'a PreparedRays, samplings: &'a [Sampling]) -> Judge<'a> {
+    fn judge_of<'a>(&'a self, rays: &'a PreparedRays, samplings: &'a [SampledImage]) -> Judge<'a> {
         Judge {
             truth: &self.truth,
             eye: self.viewpoint.eye.as_dvec3(),

@@ -1,23 +1,23 @@
-//! The race against contenders that cheat or waver, which the registry has none of.
+//! The interleaved set against configurations that cheat or waver, which the registry has none of.
 
 use std::cell::Cell;
 use std::sync::{LazyLock, OnceLock};
 use std::time::{Duration, Instant};
 
 use tracebench_api::{
-    Counter, Description, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Ray, Structure, TraceJob,
-    Tracer, Update, Viewpoint, tick_ms,
+    Counter, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Ray, Structure, TraceJob, Tracer,
+    TracerDescription, Update, Viewpoint, tick_ms,
 };
 use tracebench_tests::{Fake, Manner};
 
+use super::interleaved_set::{Built, InterleavedSet, Outcome, Setting};
 use super::kernels::Kernels;
-use super::race::{Built, Outcome, Race, Setting};
 use super::session::{RayRequest, Session};
 use super::*;
 use crate::measure::controls::Control;
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::results::{ClockTicks, RaceRecord, Sampling, Times, TraceRecord};
+use crate::results::{ClockTicks, InterleavedSetRecord, SampleSchedule, Times, TraceRecord};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::Pose;
 
@@ -34,13 +34,13 @@ fn session() -> Session {
     Session::new("fake", truth, viewpoint, request, None, &Cache::none(), &quiet).unwrap()
 }
 
-/// What came of one contender.
+/// What came of one configuration.
 struct Came {
     built: Outcome<Built>,
     traced: Outcome<TraceRecord>,
     /// What a control scored wrongly.
-    void: Option<String>,
-    race: Option<RaceRecord>,
+    invalid: Option<String>,
+    interleaved_set: Option<InterleavedSetRecord>,
 }
 
 impl Came {
@@ -57,13 +57,13 @@ impl Came {
     }
 }
 
-/// Builds and traces one contender as every race does.
-fn race(tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
+/// Builds and traces one configuration as every interleaved set does.
+fn interleaved_set(tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
     raced(2, tracer, control)
 }
 
 /// The same with so many rounds.
-fn race_of(rounds: u32, tracer: Box<dyn Tracer>) -> Came {
+fn interleaved_set_of(rounds: u32, tracer: Box<dyn Tracer>) -> Came {
     raced(rounds, tracer, None)
 }
 
@@ -79,65 +79,72 @@ fn raced_by(
     tracer: Box<dyn Tracer>,
     control: Option<Control>,
 ) -> Came {
-    let description = Description { name: "fake", ..Control::AlwaysMiss.description() };
+    let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
     let quiet = Progress::new(true);
-    let effort = Effort { sampling: Sampling::rounds(rounds), timed: true, ..Effort::untimed() };
-    let setting = Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels, turn: 0 };
-    let mut race = Race::new(&session, None, effort, &quiet, setting);
-    race.enter(Contender::ready(description, parameters, tracer).timed_by(now), None, control);
-    let built = race.build().unwrap().outcomes.pop().unwrap();
-    let mut answered = race.trace(&session.rays[0]).unwrap();
-    Came { built, traced: answered.outcomes.pop().unwrap(), void: answered.void, race: answered.race }
+    let options = MeasureOptions { sampling: SampleSchedule::rounds(rounds), timed: true, ..MeasureOptions::untimed() };
+    let setting =
+        Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), resident_batch: 0, kernels, turn: 0 };
+    let mut interleaved_set = InterleavedSet::new(&session, None, options, &quiet, setting);
+    interleaved_set.enter(TracerConfig::ready(description, parameters, tracer).timed_by(now), None, control);
+    let built = interleaved_set.build().unwrap().outcomes.pop().unwrap();
+    let mut answered = interleaved_set.trace(&session.rays[0]).unwrap();
+    Came {
+        built,
+        traced: answered.outcomes.pop().unwrap(),
+        invalid: answered.invalid,
+        interleaved_set: answered.interleaved_set,
+    }
 }
 
-/// Proves that the buffer is poisoned before every sample: a contender that answers once and rests on that is refused;
+/// Proves that the buffer is poisoned before every sample: a configuration that answers once and rests on that is refused;
 /// one that answers every time is taken, with a record of each.
 #[test]
 fn answers_of_an_earlier_sample_do_not_count() {
-    let honest = race(Box::new(Fake(Manner::Honest)), None);
+    let honest = interleaved_set(Box::new(Fake(Manner::Honest)), None);
     assert_eq!(honest.failure(), "");
     let Outcome::Measured(Built { build, .. }) = &honest.built else { panic!("not built") };
     let samples = honest.trace().unwrap().times.samples_ms.len();
     assert_eq!((build.times.samples_ms.len(), samples), (2, 2));
     // Its counted answers are written, its last timed ones are poison.
-    let idle = race(Box::new(Fake(Manner::Idle)), None);
+    let idle = interleaved_set(Box::new(Fake(Manner::Idle)), None);
     assert!(!idle.failure().is_empty() && idle.trace().is_none());
 }
 
 /// Proves that the first trace warms up and is not among the samples.
 #[test]
 fn warming_up_is_not_counted() {
-    let slow = race(Box::new(Fake(Manner::Slow)), None);
+    let slow = interleaved_set(Box::new(Fake(Manner::Slow)), None);
     let samples = &slow.trace().unwrap().times.samples_ms;
     assert!(samples.len() == 2 && samples.iter().all(|sample| *sample < 200.0), "{samples:?}");
 }
 
-/// Proves that hits which differ between the timed and the counting variant take a contender out of the race.
+/// Proves that hits which differ between the timed and the counting variant take a configuration out of the interleaved set.
 #[test]
 fn hits_must_not_depend_on_counting() {
-    let wavering = race(Box::new(Fake(Manner::Wavering)), None);
+    let wavering = interleaved_set(Box::new(Fake(Manner::Wavering)), None);
     let failure = wavering.failure();
     assert!(failure.contains("other hits") && wavering.trace().is_none(), "{failure}");
 }
 
-/// Proves that a contender which takes no longer for its work twice than for once is noticed by the control of the clock: the race
-/// is run once more, then its times are void, while answers and counters stand. Honest ones that are too quick are not judged.
+/// Proves that a configuration which takes no longer for its work twice than for once is noticed by the control of the clock: the
+/// interleaved set is run once more, then its times are invalid, while answers and counters stand. Honest ones that are too quick are not
+/// judged.
 #[test]
-fn a_clock_that_does_not_see_double_work_is_void() {
-    let lazy = race_of(12, Box::new(Fake(Manner::Lazy)));
+fn a_clock_that_does_not_see_double_work_is_invalid() {
+    let lazy = interleaved_set_of(12, Box::new(Fake(Manner::Lazy)));
     let trace = lazy.trace().unwrap();
-    let why = trace.times.void.as_ref().unwrap();
+    let why = trace.times.invalid.as_ref().unwrap();
     assert!(why.contains("done twice takes") && trace.times.samples_ms.len() == 12, "{why}");
-    let record = lazy.race.as_ref().unwrap();
-    assert!(record.repeated_because.is_some() && !record.twice[0].passed);
-    assert_eq!((record.orders.len(), record.lanes.len()), (12, Control::ALL.len() + 2));
-    assert!(lazy.void.is_none() && !trace.statuses.is_empty());
+    let record = lazy.interleaved_set.as_ref().unwrap();
+    assert!(record.repeated_because.is_some() && !record.doubled_work[0].passed);
+    assert_eq!((record.orders.len(), record.participants.len()), (12, Control::ALL.len() + 2));
+    assert!(lazy.invalid.is_none() && !trace.statuses.is_empty());
     for (manner, rounds) in [(Manner::Honest, 12), (Manner::Lazy, 11)] {
-        let quick = race_of(rounds, Box::new(Fake(manner)));
-        let record = quick.race.as_ref().unwrap();
-        assert!(quick.trace().unwrap().times.void.is_none() && record.repeated_because.is_none());
-        assert!(record.twice[0].not_judged.is_some());
+        let quick = interleaved_set_of(rounds, Box::new(Fake(manner)));
+        let record = quick.interleaved_set.as_ref().unwrap();
+        assert!(quick.trace().unwrap().times.invalid.is_none() && record.repeated_because.is_none());
+        assert!(record.doubled_work[0].not_judged.is_some());
     }
 }
 
@@ -149,10 +156,10 @@ fn coarse() -> Instant {
 }
 
 /// Proves that the tick of a clock is found, of one whose ticks are longer than a thousand readings too, and that times below twenty ticks
-/// are void with the reason, in the record of a race whose clock goes in steps of 10 ms: no speed is made of a time of nothing. By the
-/// system's clock the same race has times and speeds (the negative control).
+/// are invalid with the reason, in the record of an interleaved set whose clock goes in steps of 10 ms: no speed is made of a time of
+/// nothing. By the system's clock the same interleaved set has times and speeds (the negative control).
 #[test]
-fn times_below_twenty_ticks_are_void() {
+fn times_below_twenty_ticks_are_invalid() {
     let tick = tick_ms(coarse).unwrap();
     // On a busy machine a step may be several.
     assert!(tick > 9.9 && (tick / 10.0 - (tick / 10.0).round()).abs() < 1e-9, "{tick}");
@@ -163,12 +170,12 @@ fn times_below_twenty_ticks_are_void() {
     let came =
         raced_by(session().read_by(coarse), Some(&by_steps), Instant::now, 3, Box::new(Fake(Manner::Honest)), None);
     let trace = came.trace().unwrap();
-    let why = trace.times.void.as_ref().unwrap();
+    let why = trace.times.invalid.as_ref().unwrap();
     assert!(why.contains("below 20 ticks") && why.contains(&format!("{tick} ms")), "{why}");
     assert_eq!((trace.mrays_per_s, trace.times.samples_ms.len()), (0.0, 3));
-    assert_eq!(came.race.as_ref().unwrap().clock_ticks, Some(by_steps.ticks));
+    assert_eq!(came.interleaved_set.as_ref().unwrap().clock_ticks, Some(by_steps.ticks));
     let Outcome::Measured(Built { build, .. }) = &came.built else { panic!("not built") };
-    assert!(build.times.void.is_some(), "builds are too short, too");
+    assert!(build.times.invalid.is_some(), "builds are too short, too");
     // Of clocks that do not move nothing is known; of long times all is well.
     let of = |median_ms: f64, host_ms: Option<f64>| {
         let times = Times { samples_ms: vec![median_ms; 3], median_ms, ..trace.times.clone() };
@@ -176,7 +183,7 @@ fn times_below_twenty_ticks_are_void() {
     };
     assert!(of(200.0, Some(10.0)).is_none() && of(199.9, Some(10.0)).is_some() && of(1e9, None).is_some());
     let sound = raced_by(session(), None, Instant::now, 3, Box::new(Fake(Manner::Honest)), None);
-    assert!(sound.trace().unwrap().times.void.is_none() && sound.trace().unwrap().mrays_per_s > 0.0);
+    assert!(sound.trace().unwrap().times.invalid.is_none() && sound.trace().unwrap().mrays_per_s > 0.0);
 }
 
 /// Proves that the tick of a device's timestamps is found where it has some, and is shorter than what it times.
@@ -192,11 +199,11 @@ fn ticks_of_a_device_are_probed() {
 /// own place it is not.
 #[test]
 fn a_failing_control_is_noticed() {
-    assert_eq!(race(Box::new(Fake(Manner::Honest)), Some(Control::AlwaysMiss)).void, None);
+    assert_eq!(interleaved_set(Box::new(Fake(Manner::Honest)), Some(Control::AlwaysMiss)).invalid, None);
     for place in [Control::Oracle, Control::AlwaysHit, Control::Corrupted] {
-        let void = race(Box::new(Fake(Manner::Honest)), Some(place)).void.unwrap();
-        assert!(void.contains(place.description().name), "{void}");
-        assert!(RunError::Control(void).to_string().contains("void"));
+        let invalid = interleaved_set(Box::new(Fake(Manner::Honest)), Some(place)).invalid.unwrap();
+        assert!(invalid.contains(place.description().name), "{invalid}");
+        assert!(RunError::Control(invalid).to_string().contains("invalid"));
     }
 }
 
@@ -209,14 +216,14 @@ fn primary_rays_start_at_the_eye() {
 }
 
 /// Proves that what a structure says of itself is kept, and that one which is unsound, or says what is no number, is out of
-/// the race before it is traced.
+/// the interleaved set before it is traced.
 #[test]
 fn structures_must_be_sound() {
-    let honest = race(Box::new(Fake(Manner::Honest)), None);
+    let honest = interleaved_set(Box::new(Fake(Manner::Honest)), None);
     let Outcome::Measured(Built { structure_statistics, .. }) = honest.built else { panic!("not built") };
     assert_eq!(structure_statistics.into_iter().collect::<Vec<_>>(), [("nodes".to_owned(), 1.0)]);
     for (manner, part) in [(Manner::Unsound, "where it should be"), (Manner::Numberless, "cost is NaN")] {
-        let came = race(Box::new(Fake(manner)), None);
+        let came = interleaved_set(Box::new(Fake(manner)), None);
         assert!(came.failure().contains(part) && came.trace().is_none(), "{}", came.failure());
         let Outcome::Out(refusal) = came.built else { panic!("it was not taken out") };
         assert!(!refusal.for_room && matches!(came.traced, Outcome::Absent));
@@ -288,7 +295,7 @@ impl Structure for HiddenStructure {
         self.inner.update(update, geometry, viewpoint, parameters, clock)
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         work(3);
         Ok(std::mem::take(&mut self.out_of_room))
     }
@@ -325,9 +332,15 @@ fn unmarked_work_is_in_whole_times() {
         let (phases, first, steady) = times(Hidden { grows, ..Hidden::default() });
         assert_eq!((&*first.samples_ms, &*steady.samples_ms), (&[first_ms; 12][..], &[13.0; 12][..]));
         assert_eq!((first.grown_samples, steady.grown_samples), (if grows { 12 } else { 0 }, 0));
-        assert_eq!((first.clock, first.race, steady.race), (tracebench_api::ClockKind::Host, Some(0), Some(0)));
+        assert_eq!(
+            (first.clock, first.interleaved_set, steady.interleaved_set),
+            (tracebench_api::ClockKind::Host, Some(0), Some(0))
+        );
         assert_eq!((first.median_ms, first.interval_ms), (first_ms, [first_ms; 2]));
-        assert!(phases.samples_ms.len() == 12 && phases.race == Some(0) && phases.median_ms < 1.0, "{phases:?}");
+        assert!(
+            phases.samples_ms.len() == 12 && phases.interleaved_set == Some(0) && phases.median_ms < 1.0,
+            "{phases:?}"
+        );
     }
     let came = raced_by(session(), None, worked, 2, Box::new(Fake(Manner::Honest)), None);
     let Outcome::Measured(Built { build, .. }) = came.built else { panic!("not built") };
@@ -343,13 +356,17 @@ fn untimed_builds_are_not_repeated() {
     let before = WORKED.get();
     let session = session();
     let setting =
-        Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels: None, turn: 0 };
+        Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), resident_batch: 0, kernels: None, turn: 0 };
     let quiet = Progress::new(true);
-    let mut race = Race::new(&session, None, Effort::untimed(), &quiet, setting);
-    let description = Description { name: "fake", ..Control::AlwaysMiss.description() };
+    let mut interleaved_set = InterleavedSet::new(&session, None, MeasureOptions::untimed(), &quiet, setting);
+    let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
-    race.enter(Contender::ready(description, parameters, Box::new(Hidden::default())).timed_by(worked), None, None);
-    let Some(Outcome::Measured(built)) = race.build().unwrap().outcomes.pop() else { panic!("not built") };
+    interleaved_set.enter(
+        TracerConfig::ready(description, parameters, Box::new(Hidden::default())).timed_by(worked),
+        None,
+        None,
+    );
+    let Some(Outcome::Measured(built)) = interleaved_set.build().unwrap().outcomes.pop() else { panic!("not built") };
     assert!(built.build.first.is_none() && built.build.steady.is_none());
     assert_eq!(WORKED.get() - before, Duration::from_millis(1103));
 }

@@ -1,78 +1,84 @@
-//! The race of a ray set: contenders and controls traced in rounds, then judged.
+//! The interleaved set of a ray set: configurations and controls traced in rounds, then judged.
 
 use tracebench_api::{HitBuffer, Timing};
 
 use super::RunError;
-use super::place::{Refusal, Told};
-use super::race::{Outcome, Race};
+use super::doubled_work::{DoubledWork, invalid_reason};
+use super::interleaved_set::{InterleavedSet, Outcome};
 use super::records::{self, Traced};
 use super::rounds::Rounds;
 use super::session::PreparedRays;
-use super::twice::{Double, void_reason};
+use super::workload::{Observations, Refusal};
 use crate::judge::true_counts;
-use crate::results::{RaceRecord, TraceRecord};
+use crate::results::{InterleavedSetRecord, TraceRecord};
 
-/// Tries at a race: one whose clock fails its control is run again once.
+/// Tries at an interleaved set: one whose clock fails its control is run again once.
 const ATTEMPTS: usize = 2;
 
-/// What the race of a ray set gave.
+/// What the interleaved set of a ray set gave.
 pub(crate) struct Answered {
     pub outcomes: Vec<Outcome<TraceRecord>>,
-    /// Every lane's answers.
-    pub told: Vec<Option<Told>>,
+    /// Every participant's answers.
+    pub told: Vec<Option<Observations>>,
     /// What a control scored wrongly.
-    pub void: Option<String>,
+    pub invalid: Option<String>,
     /// How it was timed; none where it was not.
-    pub race: Option<RaceRecord>,
+    pub interleaved_set: Option<InterleavedSetRecord>,
 }
 
 /// What sampling gave.
 struct Sampled {
     buffers: Vec<Option<HitBuffer>>,
     timings: Vec<Vec<Timing>>,
-    /// Whether timestamps are, in all of the race.
+    /// Whether timestamps are, in all of the interleaved set.
     believed: bool,
-    race: Option<RaceRecord>,
+    interleaved_set: Option<InterleavedSetRecord>,
 }
 
-impl Race<'_> {
-    /// One trace each to warm up, then rounds over all lanes; the last timed output is judged. Where the control of a clock fails
-    /// the race is run once more; where it fails again its times are void.
+impl InterleavedSet<'_> {
+    /// One trace each to warm up, then rounds over all participants; the last timed output is judged. Where the control of a clock fails
+    /// the interleaved set is run once more; where it fails again its times are invalid.
     pub fn trace(&mut self, rays: &PreparedRays) -> Result<Answered, RunError> {
-        let was_in: Vec<bool> = self.lanes.iter().map(|lane| lane.out.is_none()).collect();
+        let was_in: Vec<bool> = self.participants.iter().map(|participant| participant.out.is_none()).collect();
         let mut failed: Option<String> = None;
-        let Sampled { buffers, timings, believed, race } = loop {
+        let Sampled { buffers, timings, believed, interleaved_set } = loop {
             let attempt = usize::from(failed.is_some());
             let mut sampled = self.sample(rays, attempt)?;
-            let fails = sampled.race.as_ref().and_then(|race| void_reason(&race.twice));
-            if let (Some(race), Some(_)) = (&mut sampled.race, &failed) {
-                race.repeated_because.clone_from(&failed);
+            let fails = sampled
+                .interleaved_set
+                .as_ref()
+                .and_then(|interleaved_set| invalid_reason(&interleaved_set.doubled_work));
+            if let (Some(interleaved_set), Some(_)) = (&mut sampled.interleaved_set, &failed) {
+                interleaved_set.repeated_because.clone_from(&failed);
             }
             failed = fails;
-            let last = sampled.race.as_ref().is_none_or(|race| race.repeated_because.is_some());
+            let last = sampled
+                .interleaved_set
+                .as_ref()
+                .is_none_or(|interleaved_set| interleaved_set.repeated_because.is_some());
             if failed.is_none() || last || attempt + 1 == ATTEMPTS {
                 break sampled;
             }
             self.progress.say(&format!("  {}: once more, {}", rays.set.name, failed.as_deref().unwrap_or_default()));
         };
         // Finding the causes of many wrong rays takes as long as telling the truth of as many.
-        let bar = self.progress.bar(&format!("judge {}", rays.set.name), self.lanes.len() as u64);
-        let mut answered = Answered { outcomes: Vec::new(), told: Vec::new(), void: None, race };
-        for (lane, (buffer, timings)) in buffers.into_iter().zip(timings).enumerate() {
+        let bar = self.progress.bar(&format!("judge {}", rays.set.name), self.participants.len() as u64);
+        let mut answered = Answered { outcomes: Vec::new(), told: Vec::new(), invalid: None, interleaved_set };
+        for (participant, (buffer, timings)) in buffers.into_iter().zip(timings).enumerate() {
             bar.inc(1);
             let judged = buffer
-                .and_then(|buffer| self.judge(lane, rays, &buffer, &timings, believed).transpose())
+                .and_then(|buffer| self.judge(participant, rays, &buffer, &timings, believed).transpose())
                 .transpose()?;
-            let outcome = match (judged, &self.lanes[lane].out) {
-                (Some((mut record, told, void)), _) => {
+            let outcome = match (judged, &self.participants[participant].out) {
+                (Some((mut record, told, invalid)), _) => {
                     let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
                     record.doubt_times(failed.clone().or(too_coarse));
                     answered.told.push(Some(told));
-                    answered.void = answered.void.or(void);
+                    answered.invalid = answered.invalid.or(invalid);
                     answered.outcomes.push(Outcome::Measured(record));
                     continue;
                 }
-                (None, Some(refusal)) if was_in[lane] => Outcome::Out(refusal.clone()),
+                (None, Some(refusal)) if was_in[participant] => Outcome::Out(refusal.clone()),
                 (None, _) => Outcome::Absent,
             };
             answered.told.push(None);
@@ -81,35 +87,36 @@ impl Race<'_> {
         Ok(answered)
     }
 
-    /// Traces in rounds, with those who do it twice behind all lanes.
+    /// Traces in rounds, with those who do it twice behind all participants.
     fn sample(&mut self, rays: &PreparedRays, attempt: usize) -> Result<Sampled, RunError> {
-        let count = self.lanes.len();
+        let count = self.participants.len();
         let mut buffers: Vec<Option<HitBuffer>> = Vec::new();
-        for lane in 0..count {
-            buffers.push(self.attempt_in(lane, |session, contender| session.hit_buffer(contender, rays)));
+        for participant in 0..count {
+            buffers.push(self.attempt_in(participant, |session, config| session.hit_buffer(config, rays)));
         }
-        let mut doubles = if self.effort.timed { self.doubles(rays) } else { Vec::new() };
+        let mut doubles = if self.options.timed { self.doubles(rays) } else { Vec::new() };
         let mut timings: Vec<Vec<Timing>> = vec![Vec::new(); count];
         let seed = self.order_seed(rays.set.name, attempt);
-        let sampling = self.effort.timed.then_some(self.effort.sampling);
-        let stalls: Vec<usize> = self.contenders().collect();
-        let mut rounds = self.rounds(seed, count + doubles.len(), stalls.iter().copied(), sampling);
+        let sampling = self.options.timed.then_some(self.options.sampling);
+        let slots: Vec<usize> = self.configs().collect();
+        let mut rounds = self.rounds(seed, count + doubles.len(), slots.iter().copied(), sampling);
         let name = format!("trace {}", rays.set.name);
         let bar = self.progress.bar(&name, (rounds.least() * (count + doubles.len())) as u64);
         loop {
-            let contenders = || {
-                let lanes = self.lanes.iter().zip(&timings).filter(|(lane, _)| lane.control.is_none());
+            let configs = || {
+                let participants =
+                    self.participants.iter().zip(&timings).filter(|(participant, _)| participant.control.is_none());
                 let doubled = doubles.iter().filter(|double| double.not_judged.is_none()).map(|each| &each.timings[..]);
-                [lanes.map(|(_, timings)| &timings[..]).chain(doubled).collect()]
+                [participants.map(|(_, timings)| &timings[..]).chain(doubled).collect()]
             };
-            let Some(round) = rounds.next(self.session.gpu(), contenders)? else { break };
+            let Some(round) = rounds.next(self.session.gpu(), configs)? else { break };
             for place in round.order {
                 bar.inc(1);
                 match place.checked_sub(count) {
                     Some(double) => self.double(rays, &mut doubles[double], round.counts),
                     None => {
                         let Some(hits) = &mut buffers[place] else { continue };
-                        let repeats = self.lanes[place].repeats;
+                        let repeats = self.participants[place].repeats;
                         let timing =
                             self.attempt_in(place, |session, one| session.sample_trace(one, rays, hits, repeats));
                         timings[place].extend(timing.filter(|_| round.counts));
@@ -118,10 +125,10 @@ impl Race<'_> {
             }
         }
         bar.finish_and_clear();
-        let lots = timings.iter().chain(doubles.iter().map(|double| &double.timings));
-        let believed = records::are_believed(lots.map(Vec::as_slice));
-        let race = self.traced(rays, seed, &rounds, &doubles, &timings, believed);
-        Ok(Sampled { buffers, timings, believed, race })
+        let timed_samples = timings.iter().chain(doubles.iter().map(|double| &double.timings));
+        let believed = records::are_believed(timed_samples.map(Vec::as_slice));
+        let interleaved_set = self.traced(rays, seed, &rounds, &doubles, &timings, believed);
+        Ok(Sampled { buffers, timings, believed, interleaved_set })
     }
 
     fn traced(
@@ -129,58 +136,60 @@ impl Race<'_> {
         rays: &PreparedRays,
         seed: u64,
         rounds: &Rounds<'_>,
-        doubles: &[Double],
+        doubles: &[DoubledWork],
         timings: &[Vec<Timing>],
         believed: bool,
-    ) -> Option<RaceRecord> {
-        let labels = self.lanes.iter().map(super::race::Lane::label);
-        let doubled = doubles.iter().map(|double| format!("{} twice", self.lanes[double.lane].label()));
-        let mut race = self.record(rays.set.name, seed, rounds, labels.chain(doubled).collect())?;
-        let told = |double: &Double| double.record(self.lanes[double.lane].label(), &timings[double.lane], believed);
-        race.twice = doubles.iter().map(told).collect();
-        Some(race)
+    ) -> Option<InterleavedSetRecord> {
+        let labels = self.participants.iter().map(super::interleaved_set::Participant::label);
+        let doubled = doubles.iter().map(|double| format!("{} twice", self.participants[double.participant].label()));
+        let mut interleaved_set = self.record(rays.set.name, seed, rounds, labels.chain(doubled).collect())?;
+        let told = |double: &DoubledWork| {
+            double.record(self.participants[double.participant].label(), &timings[double.participant], believed)
+        };
+        interleaved_set.doubled_work = doubles.iter().map(told).collect();
+        Some(interleaved_set)
     }
 
-    /// Judges a lane's last output; `None` if it was taken out. Beside the record the answers, and what it scored wrongly, if it is
+    /// Judges a participant's last output; `None` if it was taken out. Beside the record the answers, and what it scored wrongly, if it is
     /// a control.
     fn judge(
         &mut self,
-        lane: usize,
+        participant: usize,
         rays: &PreparedRays,
         buffer: &HitBuffer,
         timings: &[Timing],
         believed: bool,
-    ) -> Result<Option<(TraceRecord, Told, Option<String>)>, RunError> {
-        let counted = self.effort.counted;
-        let read = self.attempt_in(lane, |session, contender| {
+    ) -> Result<Option<(TraceRecord, Observations, Option<String>)>, RunError> {
+        let counted = self.options.counted;
+        let read = self.attempt_in(participant, |session, config| {
             let (hits, surfaces) = (buffer.read(session.gpu())?, buffer.read_surfaces(session.gpu())?);
-            let counters = if counted { session.count(contender, rays, &hits, &surfaces)? } else { Vec::new() };
-            let trace_memory = session.trace_memory(contender, rays)?;
-            Ok((hits, surfaces, counters, trace_memory, session.sight(contender)?))
+            let counters = if counted { session.count(config, rays, &hits, &surfaces)? } else { Vec::new() };
+            let trace_memory = session.trace_memory(config, rays)?;
+            Ok((hits, surfaces, counters, trace_memory, session.sampling_model(config)?))
         });
-        let Some((hits, surfaces, counters, trace_memory, sight)) = read else { return Ok(None) };
+        let Some((hits, surfaces, counters, trace_memory, sampling_model)) = read else { return Ok(None) };
         let session = self.session;
-        let contender = self.contender(lane);
+        let config = self.config(participant);
         let judged = session
-            .judge(contender, rays, &hits)
-            .and_then(|judgement| Ok((judgement, session.judge_surfaces(contender, rays, &hits, &surfaces)?)));
+            .judge(config, rays, &hits)
+            .and_then(|judgement| Ok((judgement, session.judge_surfaces(config, rays, &hits, &surfaces)?)));
         let (mut judgement, surfaces) = match judged {
             Ok(judged) => judged,
-            Err(error) if self.effort.lenient => {
-                self.take_out(lane, Refusal::of_session(&error));
+            Err(error) if self.options.lenient => {
+                self.take_out(participant, Refusal::of_session(&error));
                 return Ok(None);
             }
             Err(error) => return Err(error.into()),
         };
-        let mut void = None;
-        if let Some(control) = self.lanes[lane].control {
+        let mut invalid = None;
+        if let Some(control) = self.participants[participant].control {
             let counts = true_counts(&rays.answers);
             let of_hits = control.check(&judgement, &counts);
             let of_surfaces = surfaces.as_ref().map_or(Ok(()), |each| control.check_surfaces(each, &counts));
-            void = of_hits.and(of_surfaces).err();
+            invalid = of_hits.and(of_surfaces).err();
             // What a control gets wrong it gets wrong by design.
             judgement.wrong_rays_mut().clear();
-        } else if let Some(request) = self.lanes[lane].request.as_ref().filter(|_| self.effort.timed) {
+        } else if let Some(request) = self.participants[participant].request.as_ref().filter(|_| self.options.timed) {
             let label = records::request_record(request).label();
             // A study asks for one tracer at several.
             let at = request
@@ -188,7 +197,7 @@ impl Race<'_> {
                 .map_or_else(String::new, |of| format!(" at frame {}x{}, faces {}", of.frame[0], of.frame[1], of.face));
             self.progress.say(&format!("  {}: {label}{at} done", rays.set.name));
         }
-        let end = session.end();
+        let trace_to = session.trace_to();
         let record = records::trace_record(Traced {
             rays,
             timings,
@@ -196,10 +205,10 @@ impl Race<'_> {
             hits: &hits,
             counters: &counters,
             trace_memory,
-            end,
+            trace_to,
             judgement,
             surfaces,
         });
-        Ok(Some((record, Told { hits, sight }, void)))
+        Ok(Some((record, Observations { hits, sampling_model }, invalid)))
     }
 }

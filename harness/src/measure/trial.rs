@@ -1,31 +1,31 @@
-//! Races of a contender against itself: beside one that is the same, and one that does more of the same work.
+//! Interleaved sets of a configuration against itself: beside one that is the same, and one that does more of the same work.
 
 use super::controls::Control;
-use super::place::{Effort, Request};
-use super::race::{Outcome, Race, Setting};
+use super::interleaved_set::{InterleavedSet, Outcome, Setting};
 use super::run::{Context, placed};
+use super::workload::{MeasureOptions, Request};
 use super::{RunError, load, records};
 use crate::plan::Plan;
-use crate::results::RaceRecord;
+use crate::results::InterleavedSetRecord;
 
-/// One race.
+/// One interleaved set.
 pub(crate) struct Trial {
     /// The samples of every one who took part, milliseconds.
     pub samples_ms: Vec<Vec<f64>>,
-    /// Why they are void.
-    pub void: Option<String>,
-    pub race: RaceRecord,
+    /// Why they are invalid.
+    pub invalid: Option<String>,
+    pub interleaved_set: InterleavedSetRecord,
 }
 
-/// Races the plan's first tracer on its first ray set in its first scene so many times against itself: `repeats` says how often each
-/// one who takes part traces in a sample.
+/// Interleaved sets the plan's first tracer on its first ray set in its first scene so many times against itself: `repeats` says how often
+/// each one who takes part traces in a sample.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub(crate) fn against_itself(
     plan: &Plan,
     repeats: &[usize],
-    races: usize,
+    interleaved_sets: usize,
     context: &Context<'_>,
 ) -> Result<Vec<Trial>, RunError> {
     let nothing = |what: &str| RunError::Nothing(what.to_owned());
@@ -36,26 +36,31 @@ pub(crate) fn against_itself(
     let setting = Setting {
         scene: placed.scene.name.clone(),
         viewpoint: placed.viewpoint.name.clone(),
-        window: 0,
+        resident_batch: 0,
         kernels: Some(context.kernels()?),
         turn: 0,
     };
-    let mut race = Race::new(&placed.session, None, Effort::timed(plan), context.progress, setting);
-    let created = context.crew.borrow_mut().contender(&request.tracer, context.device);
+    let mut interleaved_set =
+        InterleavedSet::new(&placed.session, None, MeasureOptions::timed(plan), context.progress, setting);
+    let created = context.tracer_cache.borrow_mut().config(&request.tracer, context.device);
     let tracer = request.tracer.name().to_owned();
-    race.enter(created.map_err(|error| RunError::Tracer { tracer: tracer.clone(), error })?, Some(&request), None);
+    interleaved_set.enter(
+        created.map_err(|error| RunError::Tracer { tracer: tracer.clone(), error })?,
+        Some(&request),
+        None,
+    );
     for _ in repeats.iter().skip(1) {
-        race.join(Some(&request.tracer), None);
+        interleaved_set.join(Some(&request.tracer), None);
     }
-    for (lane, repeats) in race.lanes.iter_mut().skip(Control::ALL.len()).zip(repeats) {
-        lane.repeats = *repeats;
+    for (participant, repeats) in interleaved_set.participants.iter_mut().skip(Control::ALL.len()).zip(repeats) {
+        participant.repeats = *repeats;
     }
-    race.restore()?;
+    interleaved_set.restore()?;
     let mut trials = Vec::new();
-    for turn in 0..races {
-        race.setting.turn = turn;
-        let answered = race.trace(rays)?;
-        if let Some(what) = answered.void {
+    for turn in 0..interleaved_sets {
+        interleaved_set.setting.turn = turn;
+        let answered = interleaved_set.trace(rays)?;
+        if let Some(what) = answered.invalid {
             return Err(RunError::Control(what));
         }
         let mut traces = Vec::new();
@@ -63,17 +68,21 @@ pub(crate) fn against_itself(
             match outcome {
                 Outcome::Measured(trace) => traces.push(trace),
                 Outcome::Out(refusal) => return Err(RunError::Nothing(format!("{tracer}: {}", refusal.reason))),
-                Outcome::Absent => return Err(nothing("the contender was taken out")),
+                Outcome::Absent => return Err(nothing("the tracer was taken out")),
             }
         }
-        let (Some(first), Some(record)) = (traces.first(), answered.race) else {
+        let (Some(first), Some(record)) = (traces.first(), answered.interleaved_set) else {
             return Err(nothing("nothing was timed"));
         };
-        context.progress.say(&format!("  race {} of {races}: {} rounds", turn + 1, record.orders.len()));
+        context.progress.say(&format!(
+            "  interleaved set {} of {interleaved_sets}: {} rounds",
+            turn + 1,
+            record.orders.len()
+        ));
         trials.push(Trial {
-            void: first.times.void.clone(),
+            invalid: first.times.invalid.clone(),
             samples_ms: traces.iter().map(|trace| trace.times.samples_ms.clone()).collect(),
-            race: record,
+            interleaved_set: record,
         });
     }
     Ok(trials)
@@ -100,21 +109,21 @@ pub(crate) fn fresh_and_repeated(plan: &Plan, seeds: u64, context: &Context<'_>)
             "the ray set is empty here, or has nothing random, so that no seed makes other rays of it",
         ));
     }
-    let mut contender = context.crew.borrow_mut().contender(request, context.device)?;
-    sets[0].sample_build(&mut contender)?;
-    let rounds = plan.preset.sampling.least_rounds as usize;
+    let mut config = context.tracer_cache.borrow_mut().config(request, context.device)?;
+    sets[0].sample_build(&mut config)?;
+    let rounds = plan.preset.sampling.min_rounds as usize;
     let mut buffers =
-        sets.iter().map(|session| session.hit_buffer(&contender, &session.rays[0])).collect::<Result<Vec<_>, _>>()?;
+        sets.iter().map(|session| session.hit_buffer(&config, &session.rays[0])).collect::<Result<Vec<_>, _>>()?;
     let mut timings = [Vec::new(), Vec::new()];
     for round in 0..sets.len() + rounds {
         let set = round % sets.len();
         let rays = &sets[set].rays[0];
-        for lot in &mut timings {
-            let timing = sets[set].sample_trace(&contender, rays, &mut buffers[set], 1)?;
+        for samples in &mut timings {
+            let timing = sets[set].sample_trace(&config, rays, &mut buffers[set], 1)?;
             // Until all rays were there once, all is new.
-            lot.extend(Some(timing).filter(|_| round >= sets.len()));
+            samples.extend(Some(timing).filter(|_| round >= sets.len()));
         }
     }
     let believed = records::are_believed(timings.iter().map(Vec::as_slice));
-    Ok(timings.map(|lot| records::times(&lot, believed).samples_ms))
+    Ok(timings.map(|samples| records::times(&samples, believed).samples_ms))
 }

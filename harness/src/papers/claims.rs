@@ -149,7 +149,7 @@ impl Rule {
     }
 
     /// The rule in words.
-    pub fn words(&self) -> String {
+    pub fn describe(&self) -> String {
         let over = match self.over {
             Over::Median => "median over the scenes",
             Over::Every => "every scene",

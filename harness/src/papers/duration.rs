@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::plan::{Plan, SceneSource, TracerRequest};
-use crate::results::{RAYS_PER_LANE, READS, Run, TracerRun, host_ms};
+use crate::results::{MEMORY_ACCESS, RAYS_PER_LANE, Record, Row, host_ms};
 
 /// Seconds of an hour.
 const HOUR: f64 = 3600.0;
@@ -28,9 +28,9 @@ impl Duration {
     /// By the rows of a run of the same scene, tracer and parameters, at the scale and the resolution nearest to the wanted ones; of rows
     /// that differ in means alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow
     /// with the pixels of a face, traces with the rays; several rays a pixel count as such.
-    pub fn of(plans: &[Plan], run: &Run) -> Self {
+    pub fn of(plans: &[Plan], record: &Record) -> Self {
         let mut sum = Self {
-            rounds: plans.first().map_or(0, |plan| plan.preset.sampling.least_rounds as usize + 1),
+            rounds: plans.first().map_or(0, |plan| plan.preset.sampling.min_rounds as usize + 1),
             ..Self::default()
         };
         for plan in plans {
@@ -38,7 +38,7 @@ impl Duration {
                 plan.scenes.iter().flat_map(|scene| plan.tracers.iter().map(move |request| (scene, request)))
             {
                 sum.rows += 1;
-                if let Some([build_s, trace_s]) = of_row(plan, source, request, run) {
+                if let Some([build_s, trace_s]) = of_row(plan, source, request, record) {
                     sum.known += 1;
                     sum.builds_s += build_s * sum.rounds as f64;
                     sum.traces_s += trace_s * sum.rounds as f64;
@@ -49,9 +49,9 @@ impl Duration {
     }
 
     /// In words.
-    pub fn words(&self, table: &str) -> String {
+    pub fn describe(&self, table: &str) -> String {
         if self.known == 0 {
-            return format!("{table}: the run has none of the {} rows; measure some of them first", self.rows);
+            return format!("{table}: the record has none of the {} rows; measure some of them first", self.rows);
         }
         let factor = self.rows as f64 / self.known as f64;
         let time = |seconds: f64| {
@@ -79,28 +79,28 @@ fn pixels(size: [u32; 2]) -> f64 {
 }
 
 /// Seconds of a build and of a trace of every set.
-fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, run: &Run) -> Option<[f64; 2]> {
+fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, record: &Record) -> Option<[f64; 2]> {
     let SceneSource::Catalogue(scene) = source else { return None };
     let wanted = json!(request.parameters);
-    let is_of_means = |name: &str| [READS, RAYS_PER_LANE].contains(&name);
+    let is_of_launch = |name: &str| [MEMORY_ACCESS, RAYS_PER_LANE].contains(&name);
     // A parameter that came after the record is not in it.
-    let as_wanted = |(name, value): (&String, &Value)| is_of_means(name) || wanted[name] == *value;
-    let alike = |row: &&TracerRun| {
+    let as_wanted = |(name, value): (&String, &Value)| is_of_launch(name) || wanted[name] == *value;
+    let alike = |row: &&Row| {
         row.scene.name == *scene && row.tracer.name == request.name() && row.tracer.parameters.iter().all(as_wanted)
     };
     let (rays, face) = (pixels(plan.preset.ray_image), pixels([plan.preset.face; 2]));
-    let far = |row: &TracerRun| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
-    let other_means =
-        |row: &TracerRun| row.tracer.parameters.iter().any(|(name, value)| is_of_means(name) && wanted[name] != *value);
-    let other_scale = |row: &TracerRun| (row.scene.scale.unwrap_or(1.0) / plan.preset.scene_scale).ln().abs();
-    let nearer = |a: &TracerRun, b: &TracerRun| {
+    let far = |row: &Row| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
+    let other_launch =
+        |row: &Row| row.tracer.parameters.iter().any(|(name, value)| is_of_launch(name) && wanted[name] != *value);
+    let other_scale = |row: &Row| (row.scene.scale.unwrap_or(1.0) / plan.preset.scene_scale).ln().abs();
+    let nearer = |a: &Row, b: &Row| {
         let scales = other_scale(a).total_cmp(&other_scale(b));
-        scales.then(other_means(a).cmp(&other_means(b))).then(far(a).total_cmp(&far(b)))
+        scales.then(other_launch(a).cmp(&other_launch(b))).then(far(a).total_cmp(&far(b)))
     };
-    let row = run.runs.iter().filter(alike).min_by(|a, b| nearer(a, b))?;
+    let row = record.rows.iter().filter(alike).min_by(|a, b| nearer(a, b))?;
     // Every round builds first, and then once more.
     let build = (host_ms(row.build.first())? + host_ms(row.build.steady())?) * face / pixels([row.viewpoint.face; 2]);
-    let mut said = run.ray_parameters.clone();
+    let mut said = record.ray_parameters.clone();
     said.extend(row.viewpoint.ray_parameters.clone());
     let (own, theirs) = (json!(plan.ray_parameters), json!(said));
     let mut traces = 0.0;
@@ -119,14 +119,14 @@ fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, run: &Run)
 
 #[cfg(test)]
 mod tests {
-    use tracebench_api::{EndPoint, Query};
+    use tracebench_api::{Query, TraceTo};
 
     use super::*;
-    use crate::papers::fixture::{contender, run_of, set_build, set_time};
+    use crate::papers::fixture::{config, run_of, set_build, set_time};
     use crate::plan::{RUN_PRESETS, RunPreset, ViewRequest};
     use crate::rays::{RAY_SETS, default_parameters};
     use crate::registry;
-    use crate::results::Sampling;
+    use crate::results::SampleSchedule;
 
     /// A measured row is taken to the wanted rays, faces and rounds; rows that were not measured count as the others do, and a run
     /// without any tells nothing.
@@ -134,12 +134,12 @@ mod tests {
     fn measured_rows_tell_the_time() {
         let request = TracerRequest::of(registry::find("dirt").unwrap(), tracebench_api::Preset::Published);
         let parameters = json!(request.parameters);
-        let mut row = contender("dirt", "room", parameters, &[], &[("pixel-random", Query::Closest)]);
+        let mut row = config("dirt", "room", parameters, &[], &[("pixel-random", Query::Closest)]);
         (row.viewpoint.ray_image, row.viewpoint.face) = ([100, 50], 64);
         set_build(&mut row, 100.0);
         set_time(&mut row, "pixel-random", 1000.0);
-        let mut run = run_of(vec![row]);
-        run.ray_parameters.insert("pixel_random_count".to_owned(), json!(5));
+        let mut record = run_of(vec![row]);
+        record.ray_parameters.insert("pixel_random_count".to_owned(), json!(5));
         let mut ray_parameters = default_parameters();
         ray_parameters.set(&crate::rays::ray_parameters(), "pixel_random_count", "20").unwrap();
         let plan = Plan {
@@ -147,15 +147,20 @@ mod tests {
             tracers: vec![request],
             ray_sets: RAY_SETS.iter().filter(|set| set.name == "pixel-random").copied().collect(),
             ray_parameters,
-            preset: RunPreset { ray_image: [200, 50], face: 128, sampling: Sampling::rounds(12), ..RUN_PRESETS[1] },
+            preset: RunPreset {
+                ray_image: [200, 50],
+                face: 128,
+                sampling: SampleSchedule::rounds(12),
+                ..RUN_PRESETS[1]
+            },
             view: ViewRequest::Default,
             time_s: 0.0,
             seed: 1,
-            end: EndPoint::Hit,
+            trace_to: TraceTo::Hit,
             wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
             table: None,
         };
-        let found = Duration::of(std::slice::from_ref(&plan), &run);
+        let found = Duration::of(std::slice::from_ref(&plan), &record);
         assert_eq!((found.rows, found.known, found.rounds), (2, 1, 13));
         // Of a round a first build and a steady one.
         assert!(
@@ -163,20 +168,20 @@ mod tests {
             "{found:?}"
         );
         assert!(
-            found.words("t").contains("about 4 min for 13 rounds, the first to warm up, of 2 rows"),
+            found.describe("t").contains("about 4 min for 13 rounds, the first to warm up, of 2 rows"),
             "{}",
-            found.words("t")
+            found.describe("t")
         );
         // What the machine's means make of a row's parameters tells no row apart.
-        run.runs[0].tracer.parameters.insert(READS.to_owned(), json!("texture"));
-        run.runs[0].tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(32));
-        assert_eq!(Duration::of(std::slice::from_ref(&plan), &run), found);
-        run.runs[0].tracer.parameters.remove("max_steps").unwrap();
-        assert_eq!(Duration::of(std::slice::from_ref(&plan), &run).known, 1);
-        run.runs[0].tracer.parameters.insert("tile_size".to_owned(), json!(8));
-        assert_eq!(Duration::of(std::slice::from_ref(&plan), &run).known, 0);
-        run.runs[0].tracer.parameters.insert("tile_size".to_owned(), json!(1));
-        run.runs[0].scene.name = "barn".to_owned();
-        assert!(Duration::of(&[plan], &run).words("t").contains("none of the 2 rows"));
+        record.rows[0].tracer.parameters.insert(MEMORY_ACCESS.to_owned(), json!("texture"));
+        record.rows[0].tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(32));
+        assert_eq!(Duration::of(std::slice::from_ref(&plan), &record), found);
+        record.rows[0].tracer.parameters.remove("max_steps").unwrap();
+        assert_eq!(Duration::of(std::slice::from_ref(&plan), &record).known, 1);
+        record.rows[0].tracer.parameters.insert("tile_size".to_owned(), json!(8));
+        assert_eq!(Duration::of(std::slice::from_ref(&plan), &record).known, 0);
+        record.rows[0].tracer.parameters.insert("tile_size".to_owned(), json!(1));
+        record.rows[0].scene.name = "barn".to_owned();
+        assert!(Duration::of(&[plan], &record).describe("t").contains("none of the 2 rows"));
     }
 }

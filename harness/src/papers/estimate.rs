@@ -16,22 +16,22 @@ pub struct Estimate {
     pub interval: [f64; 2],
     /// Whether a time is in it.
     pub timed: bool,
-    /// Whether the interval holds methods at equal means and each at its best.
-    pub at_means: bool,
+    /// Whether the interval holds methods at equal launch settings and each at its best.
+    pub at_launch_settings: bool,
     /// What keeps anything from being said by it.
     pub doubts: BTreeSet<String>,
 }
 
 impl From<f64> for Estimate {
     fn from(value: f64) -> Self {
-        Self { value, interval: [value; 2], timed: false, at_means: false, doubts: BTreeSet::new() }
+        Self { value, interval: [value; 2], timed: false, at_launch_settings: false, doubts: BTreeSet::new() }
     }
 }
 
 impl Estimate {
     /// Of a time.
     pub(super) fn timed(value: f64, interval: [f64; 2], doubts: impl IntoIterator<Item = String>) -> Self {
-        Self { value, interval, timed: true, at_means: false, doubts: doubts.into_iter().collect() }
+        Self { value, interval, timed: true, at_launch_settings: false, doubts: doubts.into_iter().collect() }
     }
 
     /// Something that rises with it.
@@ -41,7 +41,7 @@ impl Estimate {
 
     /// The same with what is found at other means: it lies wherever any of these does.
     pub(super) fn spread_over(self, others: impl IntoIterator<Item = Self>) -> Self {
-        others.into_iter().fold(Self { at_means: true, ..self }, |all, other| Self {
+        others.into_iter().fold(Self { at_launch_settings: true, ..self }, |all, other| Self {
             interval: [all.interval[0].min(other.interval[0]), all.interval[1].max(other.interval[1])],
             doubts: all.doubts.into_iter().chain(other.doubts).collect(),
             ..all
@@ -49,8 +49,8 @@ impl Estimate {
     }
 
     /// The same with a doubt.
-    pub(super) fn doubted(mut self, doubt: String) -> Self {
-        self.doubts.insert(doubt);
+    pub(super) fn doubted(mut self, caveat: String) -> Self {
+        self.doubts.insert(caveat);
         self
     }
 
@@ -63,7 +63,7 @@ impl Estimate {
             value: of(self.value, other.value),
             interval: [low, high],
             timed: self.timed || other.timed,
-            at_means: self.at_means || other.at_means,
+            at_launch_settings: self.at_launch_settings || other.at_launch_settings,
             doubts: self.doubts.into_iter().chain(other.doubts).collect(),
         }
     }
@@ -73,7 +73,7 @@ impl Estimate {
             value: of(one.value, other.value),
             interval: [0, 1].map(|end| of(one.interval[end], other.interval[end])),
             timed: one.timed || other.timed,
-            at_means: one.at_means || other.at_means,
+            at_launch_settings: one.at_launch_settings || other.at_launch_settings,
             doubts: one.doubts.into_iter().chain(other.doubts).collect(),
         })
     }

@@ -1,10 +1,10 @@
 //! A paper's tables and figures as experiments: what is run, as data, and what its page shows of it.
 
-use tracebench_api::{EndPoint, Parameters, Preset};
+use tracebench_api::{Parameters, Preset, TraceTo};
 
 use super::page::Page;
 use crate::plan::{Plan, RunPreset, TracerRequest};
-use crate::rays::{MOST_RAYS, ray_parameters};
+use crate::rays::{MAX_RAYS, ray_parameters};
 use crate::registry;
 use crate::report::chart::series::SeriesChart;
 use crate::report::document::Document;
@@ -26,12 +26,12 @@ pub struct Experiment {
     /// Parameters of ray sets where nothing else is said, as `--set` takes them.
     pub settings: &'static [&'static str],
     /// How far traces go at least.
-    pub end: EndPoint,
+    pub trace_to: TraceTo,
     /// What is run one after the other.
     pub steps: &'static [Step],
     /// Whether rows stand at every choice of means, how a search reads and is launched, that their tracer has: where traces of methods
     /// are compared.
-    pub means: bool,
+    pub launch: bool,
     /// What the page shows of it before its rows.
     pub(crate) sections: &'static [Section],
     /// The charts of the page.
@@ -55,7 +55,7 @@ pub struct StandIn {
     pub published: &'static str,
 }
 
-/// Contenders side by side at one resolution.
+/// Configurations side by side at one resolution.
 #[derive(Debug, PartialEq)]
 pub struct Step {
     /// Factor on the edges of ray image, frame and faces.
@@ -69,15 +69,16 @@ pub struct Step {
     /// Parameters of ray sets that the step is about, with their values.
     pub rays: &'static [(&'static str, &'static str)],
     /// Who runs.
-    pub rows: &'static [Row],
+    pub rows: &'static [ExperimentRow],
 }
 
 /// How searches read and are launched, of tracers that have the choice: parameters with the values that tables show.
-pub(super) const MEANS: [(&str, &[&str]); 2] = [("reads", &["buffer", "texture"]), ("rays_per_lane", &["1", "32"])];
+pub(super) const MEANS: [(&str, &[&str]); 2] =
+    [("memory_access", &["buffer", "texture"]), ("rays_per_lane", &["1", "32"])];
 
 /// A tracer with every combination of values of its parameters.
 #[derive(Debug, PartialEq)]
-pub struct Row {
+pub struct ExperimentRow {
     /// The tracer.
     pub tracer: &'static str,
     /// Parameters with their values.
@@ -103,33 +104,33 @@ pub(super) const fn stands_for(scene: &'static str, published: &'static str) -> 
 }
 
 /// A step at a factor on every resolution.
-pub(super) const fn at(resolution: f64, rows: &'static [Row]) -> Step {
+pub(super) const fn at(resolution: f64, rows: &'static [ExperimentRow]) -> Step {
     Step { resolution, faces: 1.0, time_s: 0.0, scale: 1.0, rays: &[], rows }
 }
 
 /// A step at a time of the animation.
-pub(super) const fn at_time(time_s: f64, rows: &'static [Row]) -> Step {
+pub(super) const fn at_time(time_s: f64, rows: &'static [ExperimentRow]) -> Step {
     Step { time_s, ..at(1.0, rows) }
 }
 
 /// A step at a factor on the triangles of procedural scenes.
-pub(super) const fn at_scale(scale: f64, rows: &'static [Row]) -> Step {
+pub(super) const fn at_scale(scale: f64, rows: &'static [ExperimentRow]) -> Step {
     Step { scale, ..at(1.0, rows) }
 }
 
 /// A step of rays by values of their own.
-pub(super) const fn of_rays(rays: &'static [(&'static str, &'static str)], rows: &'static [Row]) -> Step {
+pub(super) const fn of_rays(rays: &'static [(&'static str, &'static str)], rows: &'static [ExperimentRow]) -> Step {
     Step { rays, ..at(1.0, rows) }
 }
 
 /// A tracer as published.
-pub(super) const fn peer(tracer: &'static str) -> Row {
-    Row { tracer, values: &[] }
+pub(super) const fn peer(tracer: &'static str) -> ExperimentRow {
+    ExperimentRow { tracer, values: &[] }
 }
 
 /// Why an experiment cannot be run as asked.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{rays} rays at {factor} times the resolution, {MOST_RAYS} are the most: turn down --size or --preset")]
+#[error("{rays} rays at {factor} times the resolution, {MAX_RAYS} are the most: turn down --size or --preset")]
 pub struct TooManyRays {
     rays: u64,
     factor: String,
@@ -144,9 +145,9 @@ impl Experiment {
         scenes: &[],
         rays: "",
         settings: &[],
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         steps: &[],
-        means: false,
+        launch: false,
         sections: &[],
         charts: &[],
         notes: &[],
@@ -154,8 +155,8 @@ impl Experiment {
 
     /// The tracers of each step; a value in the published preset counts as named all the same, so that labels tell it.
     pub fn requests(&self) -> Vec<Vec<TracerRequest>> {
-        let means = if self.means { &MEANS[..] } else { &[] };
-        self.steps.iter().map(|step| step.rows.iter().flat_map(|row| row.requests(means)).collect()).collect()
+        let launch = if self.launch { &MEANS[..] } else { &[] };
+        self.steps.iter().map(|step| step.rows.iter().flat_map(|row| row.requests(launch)).collect()).collect()
     }
 
     /// What is to be run: the base plan at the resolution, time, scale and rays of every step, with its tracers.
@@ -166,14 +167,14 @@ impl Experiment {
         let plan = |(step, tracers): (&Step, &Vec<TracerRequest>)| {
             let preset = step.scaled(base.preset);
             let rays = preset.ray_image.map(u64::from).iter().product();
-            if rays > MOST_RAYS {
+            if rays > MAX_RAYS {
                 return Err(TooManyRays { rays, factor: step.resolution.to_string() });
             }
-            let end = if base.end == EndPoint::Surface { base.end } else { self.end };
+            let trace_to = if base.trace_to == TraceTo::Surface { base.trace_to } else { self.trace_to };
             let time_s = if base.time_s == 0.0 { step.time_s } else { base.time_s };
             let ray_parameters = step.ray_parameters(&base.ray_parameters);
             let tracers = tracers.clone();
-            Ok(Plan { preset, end, time_s, tracers, ray_parameters, table: Some(self.name), ..base.clone() })
+            Ok(Plan { preset, trace_to, time_s, tracers, ray_parameters, table: Some(self.name), ..base.clone() })
         };
         self.steps.iter().zip(steps).map(plan).collect()
     }
@@ -215,14 +216,14 @@ impl Step {
     }
 }
 
-impl Row {
+impl ExperimentRow {
     /// With every combination of its values, and of those of means that its tracer has.
-    fn requests(&self, means: &[(&str, &[&str])]) -> Vec<TracerRequest> {
+    fn requests(&self, launch: &[(&str, &[&str])]) -> Vec<TracerRequest> {
         let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
         let known = (registration.describe)().parameters;
-        let means = means.iter().filter(|(name, _)| known.iter().any(|parameter| parameter.name == *name));
+        let launch = launch.iter().filter(|(name, _)| known.iter().any(|parameter| parameter.name == *name));
         let mut requests = vec![TracerRequest::of(registration, Preset::Published)];
-        for (parameter, values) in self.values.iter().chain(means) {
+        for (parameter, values) in self.values.iter().chain(launch) {
             let with = |request: &TracerRequest, value: &str| {
                 let mut request = request.clone();
                 // A test holds every value against its parameter's range.

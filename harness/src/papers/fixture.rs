@@ -1,58 +1,58 @@
-//! Runs for tests of papers: contenders with parameters and figures as given.
+//! Runs for tests of papers: configurations with parameters and figures as given.
 
 use std::collections::BTreeMap;
 
 use tracebench_api::{ClockKind, MemoryEntry, Query};
 
 use super::{Paper, Rows, find, report};
-pub(super) use crate::report::fixture::{COUNT, Quality, race, run};
-use crate::results::{CounterRecord, Judgement, PhaseRecord, Run, Times, TraceRecord, TracerRun};
+pub(super) use crate::report::fixture::{COUNT, Quality, interleaved_set, run};
+use crate::results::{CounterRecord, Judgement, PhaseRecord, Record, Row, Times, TraceRecord};
 
-/// A contender of a scene: its parameters, what its structure says of itself, its ray sets.
-pub(super) fn contender(
+/// A configuration of a scene: its parameters, what its structure says of itself, its ray sets.
+pub(super) fn config(
     tracer: &str,
     scene: &str,
     parameters: serde_json::Value,
     statistics: &[(&str, f64)],
     sets: &[(&str, Query)],
-) -> TracerRun {
+) -> Row {
     let quality = Quality { missed: 0.0, blur: 0.0, speed: 2.0, clock: ClockKind::DeviceTimestamps };
-    let mut run = run(&[(tracer, quality)], sets).runs.remove(0);
-    run.scene.name = scene.to_owned();
-    run.scene.sha256 = scene.to_owned();
-    run.tracer.parameters = serde_json::from_value(parameters).unwrap();
-    run.structure_statistics = statistics.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    run
+    let mut row = run(&[(tracer, quality)], sets).rows.remove(0);
+    row.scene.name = scene.to_owned();
+    row.scene.sha256 = scene.to_owned();
+    row.tracer.parameters = serde_json::from_value(parameters).unwrap();
+    row.structure_statistics = statistics.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    row
 }
 
 /// Sets a counter of a ray set, over all rays.
-pub(super) fn count(run: &mut TracerRun, rays: &str, counter: &str, total: u64) {
-    let trace = run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
+pub(super) fn count(row: &mut Row, rays: &str, counter: &str, total: u64) {
+    let trace = row.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
     let per_ray = total as f64 / trace.count as f64;
-    trace.counters.insert(counter.to_owned(), CounterRecord { total, per_ray, greatest_per_ray: None });
+    trace.counters.insert(counter.to_owned(), CounterRecord { total, per_ray, max_per_ray: None });
 }
 
-pub(super) fn run_of(runs: Vec<TracerRun>) -> Run {
-    let mut run = run(&[], &[]);
-    (run.runs, run.skipped) = (runs, Vec::new());
-    run
+pub(super) fn run_of(rows: Vec<Row>) -> Record {
+    let mut record = run(&[], &[]);
+    (record.rows, record.skipped) = (rows, Vec::new());
+    record
 }
 
 /// A quantity of a paper by scene.
-pub(super) fn values(paper: &Paper, name: &str, run: &Run) -> BTreeMap<String, f64> {
-    let found = paper.quantity(name).unwrap().values(&Rows::of(run));
+pub(super) fn values(paper: &Paper, name: &str, record: &Record) -> BTreeMap<String, f64> {
+    let found = paper.quantity(name).unwrap().values(&Rows::of(record));
     found.into_iter().map(|each| (each.scene, each.found.value)).collect()
 }
 
 /// A quantity of a paper in a run of one scene, or over all scenes.
-pub(super) fn value(paper: &Paper, name: &str, run: &Run) -> f64 {
-    let all = values(paper, name, run);
+pub(super) fn value(paper: &Paper, name: &str, record: &Record) -> f64 {
+    let all = values(paper, name, record);
     assert_eq!(all.len(), 1, "{name}: {all:?}");
     all.into_values().next().unwrap()
 }
 
-pub(super) fn set_time(run: &mut TracerRun, rays: &str, ms: f64) {
-    let trace = run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
+pub(super) fn set_time(row: &mut Row, rays: &str, ms: f64) {
+    let trace = row.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
     all_rounds(&mut trace.times, ms);
 }
 
@@ -63,42 +63,42 @@ pub(super) fn all_rounds(times: &mut Times, ms: f64) {
     times.submit_to_done_samples_ms = vec![ms; 12];
 }
 
-/// The run with every time in a race: the builds in one, each ray set in one of its own.
-pub(super) fn in_races(mut run: Run) -> Run {
+/// The run with every time in an interleaved set: the builds in one, each ray set in one of its own.
+pub(super) fn in_interleaved_sets(mut record: Record) -> Record {
     let mut works = vec!["builds".to_owned()];
-    for row in &mut run.runs {
-        row.build.times.race = Some(0);
+    for row in &mut record.rows {
+        row.build.times.interleaved_set = Some(0);
         for trace in &mut row.traces {
             let known = works.iter().position(|work| *work == trace.rays);
-            trace.times.race = Some(known.unwrap_or(works.len()) as u32);
+            trace.times.interleaved_set = Some(known.unwrap_or(works.len()) as u32);
             works.extend(known.is_none().then(|| trace.rays.clone()));
         }
     }
-    run.races = works.iter().map(|work| race(work)).collect();
-    run
+    record.interleaved_sets = works.iter().map(|work| interleaved_set(work)).collect();
+    record
 }
 
-pub(super) fn set_phase(run: &mut TracerRun, name: &str, ms: f64) {
-    let rounds = run.build.times.samples_ms.len();
-    run.build.times.phases = vec![PhaseRecord { name: name.to_owned(), median_ms: ms, samples_ms: vec![ms; rounds] }];
+pub(super) fn set_phase(row: &mut Row, name: &str, ms: f64) {
+    let rounds = row.build.times.samples_ms.len();
+    row.build.times.phases = vec![PhaseRecord { name: name.to_owned(), median_ms: ms, samples_ms: vec![ms; rounds] }];
 }
 
-pub(super) fn set_build(run: &mut TracerRun, ms: f64) {
-    all_rounds(&mut run.build.times, ms);
+pub(super) fn set_build(row: &mut Row, ms: f64) {
+    all_rounds(&mut row.build.times, ms);
 }
 
-pub(super) fn set_bytes(run: &mut TracerRun, parts: &[(&str, u64)]) {
+pub(super) fn set_bytes(row: &mut Row, parts: &[(&str, u64)]) {
     let entry = |(name, bytes): &(&str, u64)| MemoryEntry::whole(name, *bytes);
-    run.memory.structure = parts.iter().map(entry).collect();
+    row.memory.structure = parts.iter().map(entry).collect();
 }
 
-pub(super) fn trace_of<'a>(run: &'a mut TracerRun, rays: &str) -> &'a mut TraceRecord {
-    run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap()
+pub(super) fn trace_of<'a>(row: &'a mut Row, rays: &str) -> &'a mut TraceRecord {
+    row.traces.iter_mut().find(|trace| trace.rays == rays).unwrap()
 }
 
 /// Misses, inventions and footprint agreement of a closest-hit set, under both rules.
-pub(super) fn set_classes(run: &mut TracerRun, rays: &str, [missed, invented]: [u64; 2], footprint: f64) {
-    let Judgement::Closest(closest) = &mut trace_of(run, rays).judgement else { panic!("{rays} is any-hit") };
+pub(super) fn set_classes(row: &mut Row, rays: &str, [missed, invented]: [u64; 2], footprint: f64) {
+    let Judgement::Closest(closest) = &mut trace_of(row, rays).judgement else { panic!("{rays} is any-hit") };
     for classes in [&mut closest.classes.tight, &mut closest.classes.footprint] {
         (classes.false_miss, classes.false_hit, classes.early, classes.late) = (missed, invented, 0, 0);
     }
@@ -115,17 +115,17 @@ pub(super) fn close(found: f64, expected: f64) {
 }
 
 /// The page of an experiment over a run.
-pub(super) fn page_of(name: &str, run: &Run) -> String {
+pub(super) fn page_of(name: &str, record: &Record) -> String {
     let (paper, experiment) = find(name).unwrap();
-    let files = report(paper, experiment, run).unwrap().contents().unwrap();
+    let files = report(paper, experiment, record).unwrap().contents().unwrap();
     let own = format!("table_{}.md", name.replace('-', "_"));
     let page = files.into_iter().find(|(file, _)| *file == own).unwrap();
     String::from_utf8(page.1).unwrap()
 }
 
 /// Leaves nothing that could be judged.
-pub(super) fn take_judgements(run: &mut Run) {
-    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+pub(super) fn take_judgements(record: &mut Record) {
+    for trace in record.rows.iter_mut().flat_map(|one| &mut one.traces) {
         match &mut trace.judgement {
             Judgement::Closest(closest) => (closest.agreement, closest.interval) = Default::default(),
             Judgement::Any(any) => any.occlusion.balanced_accuracy = None,

@@ -29,18 +29,18 @@ mod wkp15;
 pub use claims::{Claim, Decision, Over, Rule, Test};
 pub use duration::Duration;
 pub use estimate::Estimate;
-pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
+pub use experiment::{Experiment, ExperimentRow, Part, StandIn, Step, TooManyRays};
 pub use page::claims_of;
 pub(crate) use page::{claims_report, report};
 pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
 pub use quantity::{Measure, OfScene, Quantity};
 pub use rows::{Rows, SceneRows};
-use tracebench_api::{EndPoint, MemoryEntry};
+use tracebench_api::{MemoryEntry, TraceTo};
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
 
 use crate::plan::RunPreset;
-use crate::results::TracerRun;
+use crate::results::Row;
 
 /// Every paper, in the order of lists.
 pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER, &wkp15::PAPER];
@@ -68,9 +68,9 @@ pub struct Paper {
     counts: &'static [(&'static str, &'static str)],
     /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
     of_a_trace: &'static [(&'static str, &'static [&'static str])],
-    /// Bytes of what the formulas of papers count: those parts of the structure, and of a trace the buffers in the paper's own set-up, which
-    /// are not allocated here. None of tracers that no formula is about.
-    by_formula: fn(&TracerRun) -> Option<f64>,
+    /// Bytes of what the formulas of papers count: those parts of the structure, and of a trace the buffers in the paper's own set-up,
+    /// which are not allocated here. None of tracers that no formula is about.
+    by_formula: fn(&Row) -> Option<f64>,
 }
 
 /// Resolutions that a paper measured at.
@@ -132,19 +132,19 @@ impl Paper {
     }
 
     /// Bytes in a scope; none of a trace where none goes to surfaces.
-    pub(crate) fn bytes(&self, run: &TracerRun, scope: Scope) -> Option<f64> {
+    pub(crate) fn bytes(&self, row: &Row, scope: Scope) -> Option<f64> {
         let used = |parts: &[MemoryEntry], counted: &dyn Fn(&str) -> bool| -> f64 {
             parts.iter().filter(|part| counted(&part.name)).map(|part| part.used_bytes as f64).sum()
         };
-        let structure = used(&run.memory.structure, &|_| true);
+        let structure = used(&row.memory.structure, &|_| true);
         Some(match scope {
             Scope::Structure => structure,
             Scope::WithTrace => {
-                let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface)?;
-                let of = self.of_a_trace.iter().find(|(tracer, _)| *tracer == run.tracer.name);
+                let to_surfaces = row.traces.iter().find(|trace| trace.trace_to == TraceTo::Surface)?;
+                let of = self.of_a_trace.iter().find(|(tracer, _)| *tracer == row.tracer.name);
                 structure + used(&to_surfaces.per_trace, &|name| of.is_some_and(|(_, names)| names.contains(&name)))
             }
-            Scope::OfPaper => (self.by_formula)(run).unwrap_or(structure),
+            Scope::OfPaper => (self.by_formula)(row).unwrap_or(structure),
         })
     }
 

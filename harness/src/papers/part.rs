@@ -1,15 +1,15 @@
-//! The part of a paper's tables and figures that shows them within minutes: `table NAME --part`, and what `reproduce` takes first.
+//! The part of a paper's tables and figures that shows them within minutes: `table NAME --few-rows`, and what `reproduce` takes first.
 
 use super::{Experiment, Paper};
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest};
-use crate::results::Sampling;
+use crate::results::SampleSchedule;
 
 /// The scene.
 const SCENE: &str = "room";
 /// Part of the run preset's triangles that the scene has: on a software adapter a draw takes as long as its triangles do.
 const SCALE: f64 = 0.125;
 /// Samples of every time, at most.
-const MOST_SAMPLES: u32 = 3;
+const MAX_SAMPLES: u32 = 3;
 
 /// What random ray sets are told, unless the user says otherwise: rays of sets that start several from a pixel.
 pub(crate) const PART_SETTINGS: [&str; 1] = ["rays.pixel_random_count=2"];
@@ -26,7 +26,7 @@ impl Paper {
             ray_image: preset.ray_image.map(half),
             frame: preset.frame.map(half),
             face: half(preset.face),
-            sampling: Sampling::rounds(preset.sampling.least_rounds.min(MOST_SAMPLES)),
+            sampling: SampleSchedule::rounds(preset.sampling.min_rounds.min(MAX_SAMPLES)),
             scene_scale: preset.scene_scale * SCALE,
             ..preset
         };

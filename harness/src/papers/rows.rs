@@ -6,12 +6,12 @@ use itertools::Itertools as _;
 use serde_json::Value;
 
 use super::experiment::Experiment;
-use crate::results::{ClosestJudgement, Judgement, Run, Skipped, TraceRecord, TracerRun, same_pose};
+use crate::results::{ClosestJudgement, Judgement, Record, Row, Skipped, TraceRecord, same_pose};
 
 /// A run by scene.
 pub struct Rows<'a> {
     /// The run.
-    pub run: &'a Run,
+    pub record: &'a Record,
     /// Its scenes, in order of first appearance.
     pub scenes: Vec<SceneRows<'a>>,
 }
@@ -20,31 +20,31 @@ pub struct Rows<'a> {
 #[derive(Clone)]
 pub struct SceneRows<'a> {
     /// The run that it is of.
-    pub run: &'a Run,
+    pub record: &'a Record,
     /// The scene's name, with the viewpoint's where the scene stands there twice.
     pub label: String,
-    /// Its contenders.
-    pub runs: Vec<&'a TracerRun>,
+    /// Its configurations.
+    pub rows: Vec<&'a Row>,
     /// What could not be run there.
     pub skipped: Vec<&'a Skipped>,
 }
 
 impl<'a> Rows<'a> {
     /// Sorts a run by scene and viewpoint.
-    pub fn of(run: &'a Run) -> Self {
+    pub fn of(record: &'a Record) -> Self {
         let mut scenes: Vec<SceneRows<'a>> = Vec::new();
-        for one in &run.runs {
-            match scenes.iter_mut().find(|scene| same_pose(scene.runs[0], one)) {
-                Some(scene) => scene.runs.push(one),
+        for one in &record.rows {
+            match scenes.iter_mut().find(|scene| same_pose(scene.rows[0], one)) {
+                Some(scene) => scene.rows.push(one),
                 None => {
-                    let skipped = run.skipped.iter().filter(|skipped| skipped.scene == one.scene.name).collect();
-                    scenes.push(SceneRows { run, label: one.scene.name.clone(), runs: vec![one], skipped });
+                    let skipped = record.skipped.iter().filter(|skipped| skipped.scene == one.scene.name).collect();
+                    scenes.push(SceneRows { record, label: one.scene.name.clone(), rows: vec![one], skipped });
                 }
             }
         }
-        let first: Vec<&TracerRun> = scenes.iter().map(|scene| scene.runs[0]).collect();
+        let first: Vec<&Row> = scenes.iter().map(|scene| scene.rows[0]).collect();
         for scene in &mut scenes {
-            let (own, label) = (scene.runs[0], &scene.label);
+            let (own, label) = (scene.rows[0], &scene.label);
             let same_name = || first.iter().filter(|other| other.scene.name == *label);
             let other_scale = same_name().any(|other| other.scene.scale != own.scene.scale);
             if let Some(scale) = own.scene.scale.filter(|_| other_scale) {
@@ -55,33 +55,33 @@ impl<'a> Rows<'a> {
                 scene.label = format!("{label} from {}", own.viewpoint.name);
             }
         }
-        Self { run, scenes }
+        Self { record, scenes }
     }
 
     /// The scenes alone that stand for some of a paper's in an experiment, for any of them where none is named.
     pub(super) fn standing_for(&self, experiment: &Experiment, published: &[String]) -> Self {
         let wanted = |scene: &&SceneRows<'_>| {
-            let name = scene.runs.first().and_then(|run| experiment.stands_for(&run.scene));
+            let name = scene.rows.first().and_then(|row| experiment.stands_for(&row.scene));
             name.is_some_and(|name| published.is_empty() || published.iter().any(|each| each == name))
         };
-        Self { run: self.run, scenes: self.scenes.iter().filter(wanted).cloned().collect() }
+        Self { record: self.record, scenes: self.scenes.iter().filter(wanted).cloned().collect() }
     }
 
     /// How many scenes there are, whatever the viewpoints and times.
     pub(super) fn names(&self) -> usize {
-        self.scenes.iter().map(|scene| &scene.runs[0].scene.name).collect::<BTreeSet<_>>().len()
+        self.scenes.iter().map(|scene| &scene.rows[0].scene.name).collect::<BTreeSet<_>>().len()
     }
 
     /// How many rows there are of an experiment's own, and how many it has over all its scenes.
     pub(super) fn of_all(&self, experiment: &Experiment) -> [usize; 2] {
-        let own = self.standing_for(experiment, &[]).scenes.iter().map(|scene| scene.runs.len()).sum();
+        let own = self.standing_for(experiment, &[]).scenes.iter().map(|scene| scene.rows.len()).sum();
         [own, experiment.scenes.len() * experiment.requests().iter().map(Vec::len).sum::<usize>()]
     }
 }
 
 /// Whether a run has a value of a parameter, given as the command line takes it.
-pub(crate) fn has(run: &TracerRun, parameter: &str, value: &str) -> bool {
-    run.tracer.parameters.get(parameter).is_some_and(|found| is(found, value))
+pub(crate) fn has(row: &Row, parameter: &str, value: &str) -> bool {
+    row.tracer.parameters.get(parameter).is_some_and(|found| is(found, value))
 }
 
 /// Whether a value is what is given as the command line takes it.
@@ -94,8 +94,8 @@ fn is(found: &Value, value: &str) -> bool {
 }
 
 /// A parameter's whole number.
-pub(crate) fn integer(run: &TracerRun, parameter: &str) -> Option<u64> {
-    match run.tracer.parameters.get(parameter)? {
+pub(crate) fn integer(row: &Row, parameter: &str) -> Option<u64> {
+    match row.tracer.parameters.get(parameter)? {
         Value::String(text) => text.parse().ok(),
         other => other.as_u64(),
     }
@@ -103,24 +103,24 @@ pub(crate) fn integer(run: &TracerRun, parameter: &str) -> Option<u64> {
 
 impl<'a> SceneRows<'a> {
     /// The runs of a tracer.
-    pub fn of_tracer(&self, tracer: &str) -> impl Iterator<Item = &'a TracerRun> {
-        self.runs.iter().filter(move |run| run.tracer.name == tracer).copied()
+    pub fn of_tracer(&self, tracer: &str) -> impl Iterator<Item = &'a Row> {
+        self.rows.iter().filter(move |row| row.tracer.name == tracer).copied()
     }
 
     /// The first run of a tracer that has these values.
-    pub fn find(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
-        self.of_tracer(tracer).find(|run| values.iter().all(|(name, value)| has(run, name, value)))
+    pub fn find(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
+        self.of_tracer(tracer).find(|row| values.iter().all(|(name, value)| has(row, name, value)))
     }
 
     /// The run of a tracer that has these values, and else those of the tracer's first run, its resolution and rays too. So rows are
-    /// told apart by what the experiment varies, whatever else is set for all of them.
-    pub fn like_first(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+    /// distinguished by what the experiment varies, whatever else is set for all of them.
+    pub fn like_first(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
         let first = self.of_tracer(tracer).next()?;
         let given = |name: &String| values.iter().any(|(given, _)| given == name);
-        let alike = |run: &&TracerRun| {
-            place(run) == place(first)
-                && values.iter().all(|(name, value)| has(run, name, value))
-                && run.tracer.parameters.iter().all(|(name, value)| {
+        let alike = |row: &&Row| {
+            place(row) == place(first)
+                && values.iter().all(|(name, value)| has(row, name, value))
+                && row.tracer.parameters.iter().all(|(name, value)| {
                     given(name) || first.tracer.parameters.get(name).is_some_and(|other| other == value)
                 })
         };
@@ -129,64 +129,64 @@ impl<'a> SceneRows<'a> {
 
     /// Names of the ray sets, in order of first appearance.
     pub fn ray_sets(&self) -> Vec<&'a str> {
-        self.runs.iter().flat_map(|run| &run.traces).map(|trace| trace.rays.as_str()).unique().collect()
+        self.rows.iter().flat_map(|row| &row.traces).map(|trace| trace.rays.as_str()).unique().collect()
     }
 
     /// The runs by resolution, of the ray image, from the lowest, then of the views, and of each by what was said of their rays.
     pub fn by_resolution(&self) -> Vec<SceneRows<'a>> {
-        let mut places: Vec<Place<'a>> = Vec::new();
-        for run in self.runs.iter().copied() {
-            if !places.contains(&place(run)) {
-                places.push(place(run));
+        let mut places: Vec<WorkloadKey<'a>> = Vec::new();
+        for row in self.rows.iter().copied() {
+            if !places.contains(&place(row)) {
+                places.push(place(row));
             }
         }
         places.sort_by_key(|(resolution, _)| *resolution);
-        let at = |wanted: Place<'a>| self.only(|run| place(run) == wanted);
+        let at = |wanted: WorkloadKey<'a>| self.only(|row| place(row) == wanted);
         places.into_iter().map(at).collect()
     }
 
     /// The runs alone of whose ray sets this was said.
     pub fn of_rays(&self, said: &[(&str, &str)]) -> SceneRows<'a> {
-        self.only(|run| {
+        self.only(|row| {
             said.iter().all(|(name, value)| {
-                let own = run.viewpoint.ray_parameters.get(*name).or_else(|| self.run.ray_parameters.get(*name));
+                let own = row.viewpoint.ray_parameters.get(*name).or_else(|| self.record.ray_parameters.get(*name));
                 own.is_some_and(|own| is(own, value))
             })
         })
     }
 
-    fn only(&self, wanted: impl Fn(&TracerRun) -> bool) -> SceneRows<'a> {
+    fn only(&self, wanted: impl Fn(&Row) -> bool) -> SceneRows<'a> {
         SceneRows {
-            run: self.run,
+            record: self.record,
             label: self.label.clone(),
-            runs: self.runs.iter().filter(|run| wanted(run)).copied().collect(),
+            rows: self.rows.iter().filter(|row| wanted(row)).copied().collect(),
             skipped: self.skipped.clone(),
         }
     }
 }
 
 /// Where a row stands among those of its scene: the resolutions, and what was said about its ray sets.
-type Place<'a> = ([u64; 3], &'a BTreeMap<String, Value>);
+type WorkloadKey<'a> = ([u64; 3], &'a BTreeMap<String, Value>);
 
-fn place(run: &TracerRun) -> Place<'_> {
-    (resolution(run), &run.viewpoint.ray_parameters)
+fn place(row: &Row) -> WorkloadKey<'_> {
+    (resolution(row), &row.viewpoint.ray_parameters)
 }
 
 /// Pixels of ray image, frame and a face.
-fn resolution(run: &TracerRun) -> [u64; 3] {
+fn resolution(row: &Row) -> [u64; 3] {
     let pixels = |size: [u32; 2]| size.map(u64::from).iter().product();
-    let viewpoint = &run.viewpoint;
+    let viewpoint = &row.viewpoint;
     [pixels(viewpoint.ray_image), pixels(viewpoint.frame), pixels([viewpoint.face; 2])]
 }
 
 /// A tracer's trace of a ray set.
-pub(crate) fn trace<'a>(run: &'a TracerRun, rays: &str) -> Option<&'a TraceRecord> {
-    run.traces.iter().find(|trace| trace.rays == rays)
+pub(crate) fn trace<'a>(row: &'a Row, rays: &str) -> Option<&'a TraceRecord> {
+    row.traces.iter().find(|trace| trace.rays == rays)
 }
 
 /// What a structure says of itself.
-pub(crate) fn statistic(run: &TracerRun, name: &str) -> Option<f64> {
-    run.structure_statistics.get(name).copied()
+pub(crate) fn statistic(row: &Row, name: &str) -> Option<f64> {
+    row.structure_statistics.get(name).copied()
 }
 
 /// A counter's mean a ray.
@@ -237,13 +237,13 @@ pub(super) fn of_cause(trace: &TraceRecord, rule: &str, cause: &str) -> Option<[
 }
 
 /// The share of the rays of all sets of a row that are of a kind.
-pub(super) fn share_of_all(run: &TracerRun, of: impl Fn(&TraceRecord) -> Option<[u64; 2]>) -> Option<f64> {
-    let sums = run.traces.iter().filter_map(of).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+pub(super) fn share_of_all(row: &Row, of: impl Fn(&TraceRecord) -> Option<[u64; 2]>) -> Option<f64> {
+    let sums = row.traces.iter().filter_map(of).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
     (sums[0] > 0).then(|| sums[1] as f64 / sums[0] as f64)
 }
 
 /// The share of the ray sets of two rows that have the same hits in both.
-pub(super) fn same_hits(one: &TracerRun, other: &TracerRun) -> Option<f64> {
+pub(super) fn same_hits(one: &Row, other: &Row) -> Option<f64> {
     let pairs = one.traces.iter().filter_map(|own| {
         let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256)?;
         Some(same.hits_sha256 == own.hits_sha256)
@@ -259,17 +259,12 @@ pub(crate) const MILLION: f64 = 1e6;
 type Count = fn(&TraceRecord) -> Option<[u64; 2]>;
 
 /// Rays in a million over all closest-hit sets that two rows have, in one beyond the other.
-pub(crate) fn beyond(one: &TracerRun, other: &TracerRun, count: Count) -> Option<f64> {
+pub(crate) fn beyond(one: &Row, other: &Row, count: Count) -> Option<f64> {
     beyond_of(one, other, |_| true, count)
 }
 
 /// The same over some of the sets.
-pub(crate) fn beyond_of(
-    one: &TracerRun,
-    other: &TracerRun,
-    wanted: impl Fn(&TraceRecord) -> bool,
-    count: Count,
-) -> Option<f64> {
+pub(crate) fn beyond_of(one: &Row, other: &Row, wanted: impl Fn(&TraceRecord) -> bool, count: Count) -> Option<f64> {
     let mut sums = [0_u64; 3];
     for own in one.traces.iter().filter(|trace| wanted(trace)) {
         let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256);

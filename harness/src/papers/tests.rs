@@ -3,12 +3,12 @@
 use serde_json::json;
 
 use super::dirt::tests::{dirt, over_buckets};
-use super::fixture::{in_races, run_of, set_build};
+use super::fixture::{in_interleaved_sets, run_of, set_build};
 use super::vvp16::tests::variants;
 use super::*;
 use crate::plan::{RUN_PRESETS, TracerRequest};
 use crate::rays::RAY_SETS;
-use crate::results::Run;
+use crate::results::Record;
 
 /// What every paper printed.
 fn published() -> Vec<(&'static Paper, Published)> {
@@ -102,11 +102,11 @@ fn experiments_name_what_exists() {
             assert!((tracebench_scenes::SCALE_MIN..=tracebench_scenes::SCALE_MAX).contains(&step.scale));
         }
         for (step, requests) in experiment.steps.iter().zip(experiment.requests()) {
-            let combinations = |row: &Row| {
+            let combinations = |row: &ExperimentRow| {
                 let known = (crate::registry::find(row.tracer).unwrap().describe)().parameters;
-                let has = |name: &str| experiment.means && known.iter().any(|parameter| parameter.name == name);
-                let means = experiment::MEANS.iter().filter(|(name, _)| has(name));
-                row.values.iter().chain(means).map(|(_, values)| values.len()).product::<usize>()
+                let has = |name: &str| experiment.launch && known.iter().any(|parameter| parameter.name == name);
+                let launch = experiment::MEANS.iter().filter(|(name, _)| has(name));
+                row.values.iter().chain(launch).map(|(_, values)| values.len()).product::<usize>()
             };
             assert_eq!(requests.len(), step.rows.iter().map(combinations).sum::<usize>(), "{}", experiment.name);
             for (index, request) in requests.iter().enumerate() {
@@ -132,7 +132,7 @@ fn plan(size: [u32; 2]) -> crate::plan::Plan {
         view: crate::plan::ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
@@ -215,7 +215,7 @@ fn rules_hold_over_what_they_name() {
     let open = Rule { over: Over::Every, least: None, most: Some(0.0) };
     assert_eq!(open.decide(&[(-5.0).into(), 0.0.into()]), Decision::Holds);
     assert_eq!(open.decide(&[1e-9.into()]), Decision::Fails);
-    assert_eq!(open.words(), "every scene at most 0");
+    assert_eq!(open.describe(), "every scene at most 0");
 }
 
 /// What is timed decides where its interval lies on one side of every end of the range, and where nothing hangs on those that do
@@ -253,16 +253,16 @@ fn claim_of(id: &str) -> (&'static Paper, Claim) {
 #[test]
 fn verdicts_follow_from_values() {
     let (paper, claim) = claim_of("dirt-references-2x2");
-    let run = |saved: f64| {
+    let record = |saved: f64| {
         let of = move |tile_size: u64, _| (1000, if tile_size == 1 { 1000.0 } else { 1000.0 * (1.0 - saved) });
         run_of([over_buckets("cloth", of), over_buckets("room", of)].concat())
     };
-    let judged = |run: &Run| judge(paper, &claim, &Rows::of(run));
-    let holds = judged(&run(0.56));
+    let judged = |record: &Record| judge(paper, &claim, &Rows::of(record));
+    let holds = judged(&record(0.56));
     assert_eq!((holds.verdict, holds.values.len(), holds.reason), (Verdict::Holds, 2, None));
     assert!((holds.median.unwrap() - 56.0).abs() < 1e-9);
     assert_eq!(holds.measured_by.unwrap().table, "dirt-figure10");
-    let fails = judged(&run(0.2));
+    let fails = judged(&record(0.2));
     assert!(fails.verdict == Verdict::DoesNotHold && (fails.values[0].value - 20.0).abs() < 1e-9);
     let lacking =
         judged(&run_of(vec![dirt("room", json!({ "tile_size": "1", "buckets": 24 }), &[("references", 5.0)])]));
@@ -270,8 +270,8 @@ fn verdicts_follow_from_values() {
     assert_eq!((lacking.scenes, lacking.measured_by.unwrap().rows), ([1, 3], [1, 45]));
     // What stands for none of the paper's scenes decides nothing: another scene, a smaller one, a file of the same name.
     for (name, scale) in [("barn", Some(1.0)), ("cloth", Some(0.05)), ("cloth", None)] {
-        let mut other = run(0.56);
-        for one in &mut other.runs {
+        let mut other = record(0.56);
+        for one in &mut other.rows {
             (one.scene.name, one.scene.scale) = (name.to_owned(), scale);
         }
         let judged = judged(&other);
@@ -279,7 +279,7 @@ fn verdicts_follow_from_values() {
         assert!(!judged.values.is_empty());
     }
     let (_, never) = claim_of("dirt-cr-lists-oblique");
-    assert_eq!(judge(paper, &never, &Rows::of(&run(0.56))).verdict, Verdict::NotMeasurable);
+    assert_eq!(judge(paper, &never, &Rows::of(&record(0.56))).verdict, Verdict::NotMeasurable);
 }
 
 /// Claims about times of rasterization are decided on hardware alone; on a software adapter the values stand all the same.
@@ -287,19 +287,19 @@ fn verdicts_follow_from_values() {
 fn rasterization_is_timed_on_hardware_alone() {
     let (paper, claim) = claim_of("dirt-buckets-build-linear");
     assert!(claim.needs_hardware_raster);
-    let mut runs = over_buckets("room", |_, _| (1000, 1000.0));
-    for run in &mut runs {
-        let step = (run.tracer.parameters["buckets"].as_f64().unwrap() - 8.0) / 8.0;
-        set_build(run, 10.0 * 1.02_f64.powf(step));
+    let mut rows = over_buckets("room", |_, _| (1000, 1000.0));
+    for row in &mut rows {
+        let step = (row.tracer.parameters["buckets"].as_f64().unwrap() - 8.0) / 8.0;
+        set_build(row, 10.0 * 1.02_f64.powf(step));
     }
-    let software = in_races(run_of(runs));
+    let software = in_interleaved_sets(run_of(rows));
     let mut hardware = software.clone();
     hardware.provenance.machine.adapter.as_mut().unwrap().kind = "discrete".to_owned();
-    let judged = |run: &Run| judge(paper, &claim, &Rows::of(run));
+    let judged = |record: &Record| judge(paper, &claim, &Rows::of(record));
     let (here, there) = (judged(&software), judged(&hardware));
     assert_eq!((here.verdict, there.verdict), (Verdict::NotMeasurable, Verdict::Holds));
     assert!(here.values == there.values && (here.median.unwrap() - 2.0).abs() < 1e-9);
-    hardware.runs.iter_mut().for_each(|run| set_build(run, 10.0));
+    hardware.rows.iter_mut().for_each(|row| set_build(row, 10.0));
     assert_eq!(judged(&hardware).verdict, Verdict::DoesNotHold);
     hardware.provenance.machine.adapter = None;
     assert_eq!(judged(&hardware).verdict, Verdict::NotMeasurable);
@@ -309,7 +309,7 @@ fn rasterization_is_timed_on_hardware_alone() {
 #[test]
 fn claims_are_set_together() {
     let of = |tile_size: u64, _| (1000, 1000.0 / tile_size as f64);
-    let run = Run { table: Some("dirt-figure10".to_owned()), ..run_of(over_buckets("room", of)) };
+    let record = Record { table: Some("dirt-figure10".to_owned()), ..run_of(over_buckets("room", of)) };
     let none = judge_all(&dirt::PAPER, &[]).unwrap();
     let of_vvp16 = judge_all(&vvp16::PAPER, &[]).unwrap();
     assert_eq!([none.len(), of_vvp16.len()], [&dirt::PAPER, &vvp16::PAPER].map(|paper| paper.claims().unwrap().len()));
@@ -318,13 +318,13 @@ fn claims_are_set_together() {
     let missing = none.iter().find(|each| each.claim.id == "dirt-samples-2x2").unwrap();
     assert!(missing.reason.as_ref().unwrap().contains("tracebench table dirt-figure10"));
     // A run of the same table without the rows adds nothing to one that has them.
-    let without = Run { runs: Vec::new(), ..run.clone() };
-    for runs in [[run.clone(), without.clone()], [without, run.clone()]] {
-        let judged = judge_all(&dirt::PAPER, &runs).unwrap();
+    let without = Record { rows: Vec::new(), ..record.clone() };
+    for rows in [[record.clone(), without.clone()], [without, record.clone()]] {
+        let judged = judge_all(&dirt::PAPER, &rows).unwrap();
         let found: Vec<_> = judged.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
         assert!(found.len() == 1 && found[0].verdict == Verdict::Holds);
     }
-    let twice = judge_all(&dirt::PAPER, &[run.clone(), run]).unwrap();
+    let twice = judge_all(&dirt::PAPER, &[record.clone(), record]).unwrap();
     let found: Vec<_> = twice.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
     assert!(found.len() == 2 && found.iter().all(|each| each.verdict == Verdict::Holds));
 }
@@ -337,8 +337,8 @@ fn rows_are_sorted_by_scene() {
     finer.viewpoint.ray_image = [1024, 512];
     elsewhere.viewpoint.eye = [9.0; 3];
     elsewhere.viewpoint.name = "yard".to_owned();
-    let run = run_of(vec![one, finer, elsewhere]);
-    let rows = Rows::of(&run);
+    let record = run_of(vec![one, finer, elsewhere]);
+    let rows = Rows::of(&record);
     let labels: Vec<&str> = rows.scenes.iter().map(|scene| scene.label.as_str()).collect();
     assert_eq!(labels, ["a from door", "a from yard"]);
     assert_eq!(rows.scenes[0].by_resolution().len(), 2);
@@ -352,10 +352,10 @@ fn claims_about_a_scene_look_at_its_stand_in() {
     let stand_in =
         paper.experiment(table).unwrap().scenes.iter().find(|each| *each.published == scenes[0]).unwrap().scene;
     let judged = |scene: &str| {
-        let mut runs = variants(scene, [3.0, 1.0]);
-        runs.extend(variants("elsewhere", [1.0, 1.0]));
-        let run = in_races(run_of(runs));
-        judge(paper, &claim, &Rows::of(&run))
+        let mut rows = variants(scene, [3.0, 1.0]);
+        rows.extend(variants("elsewhere", [1.0, 1.0]));
+        let record = in_interleaved_sets(run_of(rows));
+        judge(paper, &claim, &Rows::of(&record))
     };
     let found = judged(stand_in);
     assert!(found.values.len() == 1 && found.values[0].scene == stand_in, "{:?}", found.values);

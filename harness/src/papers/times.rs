@@ -1,46 +1,46 @@
 //! Times of rows as estimates: how many times as long one takes as another, by the record's own rule of how sure that is
-//! ([`Run::paired`]).
+//! ([`Record::paired`]).
 
 use super::estimate::Estimate;
 use super::rows::{SceneRows, trace};
-use crate::results::{RAYS_PER_LANE, READS, Run, Timed, TraceRecord, TracerRun, at_means, host_ms};
+use crate::results::{MEMORY_ACCESS, RAYS_PER_LANE, Record, Row, Timed, TraceRecord, at_launch_settings, host_ms};
 
 /// What there is to doubt where rows did the same by every counter and yet took different times: something else than the method is
 /// told.
 const SAME_WORK: &str = "equal counters, different times";
 
 /// How many times as long one takes as the other; none without times by one clock.
-pub(super) fn ratio(run: &Run, one: &Timed<'_>, other: &Timed<'_>) -> Option<Estimate> {
-    let found = run.paired(one, other);
-    found.ratio.map(|ratio| Estimate::timed(ratio.value, ratio.interval, found.doubt.map(|doubt| doubt.to_string())))
+pub(super) fn ratio(record: &Record, one: &Timed<'_>, other: &Timed<'_>) -> Option<Estimate> {
+    let found = record.paired(one, other);
+    found.ratio.map(|ratio| Estimate::timed(ratio.value, ratio.interval, found.caveat.map(|caveat| caveat.to_string())))
 }
 
 /// A trace of a row.
-pub(super) fn traced<'a>(row: &'a TracerRun, rays: &str) -> Option<Timed<'a>> {
+pub(super) fn traced<'a>(row: &'a Row, rays: &str) -> Option<Timed<'a>> {
     Some(Timed::trace(row, trace(row, rays)?))
 }
 
 /// Traces of a row, one set after the other.
-fn traced_together<'a>(row: &'a TracerRun, sets: &[&str]) -> Option<Timed<'a>> {
+fn traced_together<'a>(row: &'a Row, sets: &[&str]) -> Option<Timed<'a>> {
     let mut all = sets.iter().map(|rays| traced(row, rays));
     let first = all.next()??;
     all.try_fold(first, |sum, next| Some(sum.and(next?)))
 }
 
 /// Build and traces of a row, every set traced as often as said.
-fn total<'a>(row: &'a TracerRun, mix: &[(&str, f64)]) -> Option<Timed<'a>> {
+fn total<'a>(row: &'a Row, mix: &[(&str, f64)]) -> Option<Timed<'a>> {
     mix.iter().try_fold(Timed::steady_build(row), |sum, (rays, often)| Some(sum.and(traced(row, rays)?.times(*often))))
 }
 
 /// Kendall's rank correlation, as [`super::quantity::rank_correlation`], of numbers and what was timed: a pair whose order the times
 /// leave open counts for either.
-pub(super) fn rank_correlation(run: &Run, points: &[(f64, Timed<'_>)]) -> Option<Estimate> {
+pub(super) fn rank_correlation(record: &Record, points: &[(f64, Timed<'_>)]) -> Option<Estimate> {
     let mut sum = Estimate::from(0.0);
     let mut compared = 0_u32;
     let sign = |value: f64| if value == 0.0 { 0.0 } else { value.signum() };
     for (index, (one, time)) in points.iter().enumerate() {
         for (other, other_time) in &points[..index] {
-            let order = (ratio(run, time, other_time)? - 1.0).rising(sign);
+            let order = (ratio(record, time, other_time)? - 1.0).rising(sign);
             sum = sum + order * sign(one - other);
             compared += 1;
         }
@@ -48,14 +48,14 @@ pub(super) fn rank_correlation(run: &Run, points: &[(f64, Timed<'_>)]) -> Option
     (points.len() > 2).then(|| sum / f64::from(compared))
 }
 
-/// What there is to doubt where a method was measured at one of its means alone.
+/// What there is to doubt where a method was measured at one of its launch settings alone.
 const ONE_MEANS: &str = "not measured at other means";
 
 /// Whether rows are the same tracer's in the same place and differ in means alone, or in nothing.
-fn differ_in_means(one: &TracerRun, other: &TracerRun) -> bool {
-    let rest = |row: &TracerRun| {
-        let of_means = |name: &String| [READS, RAYS_PER_LANE].contains(&name.as_str());
-        let rest = row.tracer.parameters.iter().filter(|(name, _)| !of_means(name));
+fn differ_in_launch(one: &Row, other: &Row) -> bool {
+    let rest = |row: &Row| {
+        let of_launch = |name: &String| [MEMORY_ACCESS, RAYS_PER_LANE].contains(&name.as_str());
+        let rest = row.tracer.parameters.iter().filter(|(name, _)| !of_launch(name));
         rest.map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
     };
     one.tracer.name == other.tracer.name && one.viewpoint == other.viewpoint && rest(one) == rest(other)
@@ -71,21 +71,21 @@ fn same_work(one: &TraceRecord, other: &TraceRecord) -> bool {
 
 impl SceneRows<'_> {
     /// How many times as long a steady build takes in one row as in another: papers build once a frame.
-    pub(in crate::papers) fn build_ratio(&self, one: &TracerRun, other: &TracerRun) -> Option<Estimate> {
-        ratio(self.run, &Timed::steady_build(one), &Timed::steady_build(other))
+    pub(in crate::papers) fn build_ratio(&self, one: &Row, other: &Row) -> Option<Estimate> {
+        ratio(self.record, &Timed::steady_build(one), &Timed::steady_build(other))
     }
 
     /// How many times as long a phase of the build takes in one row as in another.
-    pub(in crate::papers) fn phase_ratio(&self, one: &TracerRun, other: &TracerRun, phase: &str) -> Option<Estimate> {
-        ratio(self.run, &Timed::build_phase(one, phase), &Timed::build_phase(other, phase))
+    pub(in crate::papers) fn phase_ratio(&self, one: &Row, other: &Row, phase: &str) -> Option<Estimate> {
+        ratio(self.record, &Timed::build_phase(one, phase), &Timed::build_phase(other, phase))
     }
 
     /// How many times as long a trace takes in one row as in another; of two methods at the rows' means, at every means that both
     /// were measured at, and at each one's best.
-    pub(in crate::papers) fn trace_ratio(&self, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
+    pub(in crate::papers) fn trace_ratio(&self, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
         let found = self.layout_ratio(one, other, rays)?;
         if one.tracer.name != other.tracer.name {
-            return self.at_means(found, one, other, &[rays]);
+            return self.at_launch_settings(found, one, other, &[rays]);
         }
         let [low, high] = found.interval;
         let unexplained = (low > 1.0 || high < 1.0) && same_work(trace(one, rays)?, trace(other, rays)?);
@@ -93,54 +93,44 @@ impl SceneRows<'_> {
     }
 
     /// The same of several ray sets together, of two methods.
-    pub(in crate::papers) fn traces_ratio(
-        &self,
-        one: &TracerRun,
-        other: &TracerRun,
-        sets: &[&str],
-    ) -> Option<Estimate> {
-        self.at_means(self.together(one, other, sets)?, one, other, sets)
+    pub(in crate::papers) fn traces_ratio(&self, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
+        self.at_launch_settings(self.together(one, other, sets)?, one, other, sets)
     }
 
     /// How many times as long some ray sets together take in one row as in another, at the rows' means.
-    fn together(&self, one: &TracerRun, other: &TracerRun, sets: &[&str]) -> Option<Estimate> {
-        ratio(self.run, &traced_together(one, sets)?, &traced_together(other, sets)?)
+    fn together(&self, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
+        ratio(self.record, &traced_together(one, sets)?, &traced_together(other, sets)?)
     }
 
     /// A ratio of two methods with those at other means.
-    fn at_means(&self, found: Estimate, one: &TracerRun, other: &TracerRun, sets: &[&str]) -> Option<Estimate> {
+    fn at_launch_settings(&self, found: Estimate, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
         let [ones, others] =
-            [one, other].map(|row| self.runs.iter().copied().filter(|each| differ_in_means(row, each)));
-        let (ones, others): (Vec<&TracerRun>, Vec<&TracerRun>) = (ones.collect(), others.collect());
-        if [(one, &ones), (other, &others)].iter().any(|(row, all)| row.tracer.means().is_some() && all.len() < 2) {
+            [one, other].map(|row| self.rows.iter().copied().filter(|each| differ_in_launch(row, each)));
+        let (ones, others): (Vec<&Row>, Vec<&Row>) = (ones.collect(), others.collect());
+        if [(one, &ones), (other, &others)].iter().any(|(row, all)| row.tracer.launch().is_some() && all.len() < 2) {
             return Some(found.doubted(ONE_MEANS.to_owned()));
         }
-        if [one, other].iter().all(|row| row.tracer.means().is_none()) {
+        if [one, other].iter().all(|row| row.tracer.launch().is_none()) {
             return Some(found);
         }
-        let time = |row: &TracerRun| sets.iter().map(|rays| host_ms(&trace(row, rays)?.times)).sum::<Option<f64>>();
-        let all = at_means(&ones, &others, time, |one, other| self.together(one, other, sets));
+        let time = |row: &Row| sets.iter().map(|rays| host_ms(&trace(row, rays)?.times)).sum::<Option<f64>>();
+        let all = at_launch_settings(&ones, &others, time, |one, other| self.together(one, other, sets));
         Some(found.spread_over(all.equal.into_iter().map(|(_, ratio)| ratio).chain(all.best.map(|(_, ratio)| ratio))))
     }
 
     /// The same of rows that are meant to do the same and differ in how data lies.
-    pub(in crate::papers) fn layout_ratio(&self, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
-        ratio(self.run, &traced(one, rays)?, &traced(other, rays)?)
+    pub(in crate::papers) fn layout_ratio(&self, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
+        ratio(self.record, &traced(one, rays)?, &traced(other, rays)?)
     }
 
     /// How many times as long one ray set takes as another, in one row.
-    pub(in crate::papers) fn set_ratio(&self, row: &TracerRun, one: &str, other: &str) -> Option<Estimate> {
-        ratio(self.run, &traced(row, one)?, &traced(row, other)?)
+    pub(in crate::papers) fn set_ratio(&self, row: &Row, one: &str, other: &str) -> Option<Estimate> {
+        ratio(self.record, &traced(row, one)?, &traced(row, other)?)
     }
 
     /// How many times as long build and traces take in one row as in another, every set traced as often as said.
-    pub(in crate::papers) fn total_ratio(
-        &self,
-        one: &TracerRun,
-        other: &TracerRun,
-        mix: &[(&str, f64)],
-    ) -> Option<Estimate> {
-        ratio(self.run, &total(one, mix)?, &total(other, mix)?)
+    pub(in crate::papers) fn total_ratio(&self, one: &Row, other: &Row, mix: &[(&str, f64)]) -> Option<Estimate> {
+        ratio(self.record, &total(one, mix)?, &total(other, mix)?)
     }
 }
 
@@ -151,12 +141,12 @@ mod tests {
 
     use super::*;
     use crate::papers::Rows;
-    use crate::papers::fixture::{contender, count, in_races, run_of, set_time};
+    use crate::papers::fixture::{config, count, in_interleaved_sets, run_of, set_time};
 
     /// Rows "a" and "b" of a scene, `b` taking longer by a factor and some noise that both share.
-    fn pair(rounds: usize, factor: f64) -> Run {
+    fn pair(rounds: usize, factor: f64) -> Record {
         let rows = ["a", "b"].map(|name| {
-            let mut row = contender("dirt", "room", json!({ "name": name }), &[], &[("diffuse", Query::Closest)]);
+            let mut row = config("dirt", "room", json!({ "name": name }), &[], &[("diffuse", Query::Closest)]);
             set_time(&mut row, "diffuse", 10.0);
             count(&mut row, "diffuse", "triangle_tests", name.len() as u64 + u64::from(name == "b"));
             let times = &mut row.traces[0].times;
@@ -165,12 +155,12 @@ mod tests {
             times.samples_ms = (0..rounds).map(|round| slower * noise(round) * (1.0 + 1e-3 * round as f64)).collect();
             row
         });
-        in_races(run_of(rows.to_vec()))
+        in_interleaved_sets(run_of(rows.to_vec()))
     }
 
-    fn found(run: &Run) -> Estimate {
-        let rows = Rows::of(run);
-        rows.scenes[0].trace_ratio(&run.runs[1], &run.runs[0], "diffuse").unwrap()
+    fn found(record: &Record) -> Estimate {
+        let rows = Rows::of(record);
+        rows.scenes[0].trace_ratio(&record.rows[1], &record.rows[0], "diffuse").unwrap()
     }
 
     /// A ratio is sure where it is of as many paired rounds as a verdict takes; what slows a round for both widens nothing, and fewer
@@ -181,45 +171,48 @@ mod tests {
         assert!(sure.timed && sure.doubts.is_empty() && (sure.value - 1.2).abs() < 1e-9, "{sure:?}");
         assert!(sure.interval.iter().all(|end| (end - 1.2).abs() < 1e-9), "{sure:?}");
         let few = found(&pair(11, 1.2));
-        assert!(few.doubts.iter().any(|doubt| doubt.contains("11 rounds")), "{few:?}");
+        assert!(few.doubts.iter().any(|caveat| caveat.contains("11 rounds")), "{few:?}");
     }
 
-    /// Two methods compare at equal means and at each one's best: what differs there widens where the ratio lies; one that was measured
-    /// at a single choice of its means is doubted, and one that has no choice stands beside every other.
+    /// Two methods compare at equal launch settings and at each one's best: what differs there widens where the ratio lies; one that was
+    /// measured at a single choice of its launch settings is doubted, and one that has no choice stands beside every other.
     #[test]
-    fn methods_are_compared_at_equal_and_best_means() {
+    fn methods_are_compared_at_equal_and_best_launch_settings() {
         let row = |tracer: &str, reads: &str, ms: f64| {
-            let parameters =
-                if reads.is_empty() { json!({}) } else { json!({ "reads": reads, "rays_per_lane": 1, "buckets": 4 }) };
-            let mut row = contender(tracer, "room", parameters, &[], &[("diffuse", Query::Closest)]);
+            let parameters = if reads.is_empty() {
+                json!({})
+            } else {
+                json!({ "memory_access": reads, "rays_per_lane": 1, "buckets": 4 })
+            };
+            let mut row = config(tracer, "room", parameters, &[], &[("diffuse", Query::Closest)]);
             set_time(&mut row, "diffuse", ms);
             row
         };
-        let ratio = |rows: &[TracerRun], other: usize| {
-            let run = in_races(run_of(rows.to_vec()));
-            let rows = Rows::of(&run);
-            rows.scenes[0].trace_ratio(&run.runs[0], &run.runs[other], "diffuse").unwrap()
+        let ratio = |rows: &[Row], other: usize| {
+            let record = in_interleaved_sets(run_of(rows.to_vec()));
+            let rows = Rows::of(&record);
+            rows.scenes[0].trace_ratio(&record.rows[0], &record.rows[other], "diffuse").unwrap()
         };
         // 2 by buffers, 4.8 by textures, 4 at each one's best.
         let rows =
             [row("a", "buffer", 20.0), row("a", "texture", 24.0), row("b", "buffer", 10.0), row("b", "texture", 5.0)];
         let found = ratio(&rows, 2);
         assert_eq!((found.value, found.interval, found.doubts.len()), (2.0, [2.0, 4.8], 0));
-        assert!(found.at_means);
+        assert!(found.at_launch_settings);
         assert!(ratio(&rows[..3], 2).doubts.contains(ONE_MEANS));
         let beside = [rows[0].clone(), rows[1].clone(), row("c", "", 10.0)];
         assert_eq!(ratio(&beside, 2).interval, [2.0, 2.4]);
         let plain = ratio(&[row("c", "", 30.0), row("d", "", 10.0)], 1);
-        assert_eq!((plain.interval, plain.at_means), ([3.0; 2], false));
+        assert_eq!((plain.interval, plain.at_launch_settings), ([3.0; 2], false));
     }
 
     /// Rows that did the same by their counters and took different times are doubted; a counter more or equal times and they are not.
     #[test]
     fn equal_work_in_different_times_is_doubted() {
         let with = |factor: f64, tests: [u64; 2]| {
-            let mut run = pair(12, factor);
-            run.runs.iter_mut().zip(tests).for_each(|(row, tests)| count(row, "diffuse", "triangle_tests", tests));
-            found(&run).doubts.contains(SAME_WORK)
+            let mut record = pair(12, factor);
+            record.rows.iter_mut().zip(tests).for_each(|(row, tests)| count(row, "diffuse", "triangle_tests", tests));
+            found(&record).doubts.contains(SAME_WORK)
         };
         assert!(with(1.2, [70, 70]) && !with(1.0, [70, 70]) && !with(1.2, [70, 71]));
     }

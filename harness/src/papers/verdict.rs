@@ -1,4 +1,4 @@
-//! Verdicts on claims: the quantity of a run held against the rule of the claim.
+//! Verdicts on claims: the quantity of a run compared with the rule of the claim.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::claims::{Claim, Decision, Rule, Test};
 use super::quantity::OfScene;
 use super::rows::Rows;
 use super::{DataError, Paper};
-use crate::results::Run;
+use crate::results::Record;
 
 /// What is said of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -113,8 +113,8 @@ impl JudgedClaim {
 }
 
 /// Whether a run's device times are those of hardware.
-fn on_hardware(run: &Run) -> bool {
-    run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software")
+fn on_hardware(record: &Record) -> bool {
+    record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software")
 }
 
 /// Judges one claim of a paper by a run that was made for its table, or is taken for it.
@@ -136,12 +136,12 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
     let (verdict, reason) = match () {
         () if about.scenes.is_empty() => {
             let of = if scenes.is_empty() { "any of the paper's".to_owned() } else { scenes.join(" or ") };
-            (Verdict::NotMeasured, Some(format!("the run has no scene that stands for {of}")))
+            (Verdict::NotMeasured, Some(format!("the record has no scene that stands for {of}")))
         }
         () if found.is_empty() => {
-            (Verdict::NotMeasured, Some(format!("the run has no scene with the rows of {table} that it takes")))
+            (Verdict::NotMeasured, Some(format!("the record has no scene with the rows of {table} that it takes")))
         }
-        () if claim.needs_hardware_raster && !on_hardware(rows.run) => {
+        () if claim.needs_hardware_raster && !on_hardware(rows.record) => {
             let reason = "needs times of hardware rasterization, the adapter is software";
             (Verdict::NotMeasurable, Some(reason.to_owned()))
         }
@@ -151,14 +151,14 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
             Decision::Open => (Verdict::Undecided, Some(open(rule, &found))),
         },
     };
-    let run = rows.run;
+    let record = rows.record;
     let measured_by = MeasuredBy {
         table: experiment.name.to_owned(),
         rows: rows.of_all(experiment),
-        machine: run.provenance.machine.label(),
-        preset: run.preset.clone(),
-        commit: run.provenance.commit.clone(),
-        started: run.provenance.started.clone(),
+        machine: record.provenance.machine.label(),
+        preset: record.preset.clone(),
+        commit: record.provenance.commit.clone(),
+        started: record.provenance.started.clone(),
     };
     let values: Vec<SceneValue> = found.iter().map(SceneValue::from).collect();
     let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
@@ -178,7 +178,7 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
 fn open(rule: &Rule, found: &[OfScene]) -> String {
     let why = |of: &OfScene| {
         let doubts: Vec<&str> = of.found.doubts.iter().map(String::as_str).collect();
-        let why = match (doubts.is_empty(), of.found.at_means) {
+        let why = match (doubts.is_empty(), of.found.at_launch_settings) {
             (false, _) => doubts.join(", "),
             (true, false) => "the interval does not separate".to_owned(),
             (true, true) => "equal and best means disagree, or their intervals do not separate".to_owned(),
@@ -195,7 +195,7 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
 ///
 /// # Errors
 /// If the embedded claims are not as they should be.
-pub fn judge_all(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, DataError> {
+pub fn judge_all(paper: &Paper, rows: &[Record]) -> Result<Vec<JudgedClaim>, DataError> {
     let mut judged = Vec::new();
     for claim in paper.claims()? {
         let table = match &claim.test {
@@ -206,15 +206,15 @@ pub fn judge_all(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, DataEr
             }
         };
         let before = judged.len();
-        for run in runs.iter().filter(|run| run.table.as_deref() == Some(table)) {
-            judged.push(judge(paper, &claim, &Rows::of(&run.aligned())));
+        for record in rows.iter().filter(|record| record.table.as_deref() == Some(table)) {
+            judged.push(judge(paper, &claim, &Rows::of(&record.aligned())));
         }
         if judged[before..].iter().any(|each| each.verdict != Verdict::NotMeasured) {
             let of_claim = judged.split_off(before);
             judged.extend(of_claim.into_iter().filter(|each| each.verdict != Verdict::NotMeasured));
         }
         if judged.len() == before {
-            let reason = format!("no run of `tracebench table {table}` was given");
+            let reason = format!("no record of `tracebench table {table}` was given");
             judged.push(JudgedClaim::without_values(claim, Verdict::NotMeasured, reason));
         }
     }

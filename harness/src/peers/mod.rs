@@ -2,12 +2,12 @@
 
 use tracebench_api::{Domain, ParameterScope, Preset, TracerError};
 
-use crate::contenders::Switched;
-pub use crate::contenders::{Rows, Subject, Table};
-use crate::means::combinations;
+use crate::launch::combinations;
 use crate::plan::TracerRequest;
+use crate::registrations::Switched;
+pub use crate::registrations::{Rows, Subject, Table};
 use crate::registry::{self, Family, Registration, TRACERS};
-use crate::results::READS;
+use crate::results::MEMORY_ACCESS;
 
 /// Every table that is no tracer's own.
 const TABLES: &[Table] = &[
@@ -34,11 +34,11 @@ const TABLES: &[Table] = &[
         rows: Rows::Peers { family: None, swept: None },
     },
     Table {
-        name: "means",
-        summary: "equal means: every tracer that searches on the device, by each way to read and to launch",
+        name: "launch-settings",
+        summary: "equal launch settings: every tracer that searches on the device, by each way to read and to launch",
         rays: "primary,diffuse",
         subject: Subject::Still,
-        rows: Rows::Means,
+        rows: Rows::LaunchSettings,
     },
 ];
 
@@ -62,7 +62,7 @@ impl Table {
     fn has(&self, registration: &Registration) -> bool {
         match self.rows {
             Rows::Peers { family, .. } => family.is_none_or(|family| registration.family == family),
-            Rows::Means => TracerRequest::of(registration, Preset::Published).has_means(),
+            Rows::LaunchSettings => TracerRequest::of(registration, Preset::Published).has_launch_settings(),
             Rows::Switches(_) => {
                 registration.ablation == Some(self) || peer().is_some_and(|peer| peer.name() == registration.name())
             }
@@ -74,21 +74,21 @@ impl Table {
     pub fn reference(&self) -> &'static str {
         match self.rows {
             Rows::Peers { .. } => TRACERS.iter().find(|each| self.has(each)),
-            Rows::Means => None,
+            Rows::LaunchSettings => None,
             Rows::Switches(_) => peer(),
         }
         .map_or("", Registration::name)
     }
 
     /// Its rows.
-    pub fn contenders(&self) -> Vec<TracerRequest> {
+    pub fn configs(&self) -> Vec<TracerRequest> {
         let of = |registration| TracerRequest::of(registration, Preset::Published);
         let published = || TRACERS.iter().filter(|each| self.has(each)).map(of);
         match self.rows {
             Rows::Peers { family, swept } => self.peers(published().collect(), family, swept),
-            Rows::Means => {
+            Rows::LaunchSettings => {
                 let at = |request: TracerRequest| {
-                    combinations().into_iter().filter_map(move |means| request.clone().with_means(&means))
+                    combinations().into_iter().filter_map(move |launch| request.clone().with_launch_settings(&launch))
                 };
                 published().flat_map(at).collect()
             }
@@ -100,8 +100,8 @@ impl Table {
         }
     }
 
-    /// Every peer as published, each followed by its variants: of the reference the values of the swept parameter, of others their own named
-    /// kinds of structure, parameters that the reference has too left out. How they are read is the same for all, and no variant. No
+    /// Every peer as published, each followed by its variants: of the reference the values of the swept parameter, of others their own
+    /// named kinds of structure, parameters that the reference has too left out. How they are read is the same for all, and no variant. No
     /// variants where all families are side by side.
     fn peers(
         &self,
@@ -112,27 +112,28 @@ impl Table {
         let is_reference = |request: &TracerRequest| request.name() == self.reference();
         let reference = published.iter().find(|request| is_reference(request));
         let known = reference.map(|request| (request.registration.describe)().parameters).unwrap_or_default();
-        let mut contenders = Vec::new();
+        let mut configs = Vec::new();
         for request in &published {
-            contenders.push(request.clone());
+            configs.push(request.clone());
             for parameter in (request.registration.describe)().parameters {
                 let wanted = if is_reference(request) {
                     swept == Some(parameter.name)
                 } else {
                     let named = matches!(parameter.domain, Domain::Choice(_));
-                    let shared = parameter.name == READS || known.iter().any(|other| other.name == parameter.name);
+                    let shared =
+                        parameter.name == MEMORY_ACCESS || known.iter().any(|other| other.name == parameter.name);
                     family.is_some() && named && parameter.scope == ParameterScope::Build && !shared
                 };
                 for value in parameter.sweep.iter().filter(|value| wanted && **value != parameter.published) {
                     let mut variant = request.clone();
                     // A value worth sweeping lies in its own range.
                     if variant.set(parameter.name, &value.to_string()).is_ok() {
-                        contenders.push(variant);
+                        configs.push(variant);
                     }
                 }
             }
         }
-        contenders
+        configs
     }
 
     /// Whether a tracer of this name belongs into the table.
@@ -176,7 +177,7 @@ mod tests {
         for (index, table) in all().enumerate() {
             assert!(!names[..index].contains(&table.name) && find(table.name) == Some(table));
             assert!(table.rays.split(',').all(|name| RAY_SETS.iter().any(|set| set.name == name)));
-            assert!(!table.holds("no-such") && table.contenders().iter().all(|row| table.holds(row.name())));
+            assert!(!table.holds("no-such") && table.configs().iter().all(|row| table.holds(row.name())));
         }
         for (table, _, swept) in of_peers() {
             let reference = registry::find(table.reference()).unwrap();
@@ -184,15 +185,15 @@ mod tests {
             let parameters = (reference.describe)().parameters;
             assert!(swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
         }
-        assert!(find("no-such").is_none() && names.contains(&"means"));
+        assert!(find("no-such").is_none() && names.contains(&"launch-settings"));
     }
 
-    /// Every tracer of the family stands in the table, no other does, every value of the swept parameter has a row, no two
+    /// Every tracer of the family is in the table, no other does, every value of the swept parameter has a row, no two
     /// rows are the same, and parameters that the reference has are not swept again.
     #[test]
     fn every_peer_has_its_rows() {
         for (table, family, swept) in of_peers() {
-            let rows = table.contenders();
+            let rows = table.configs();
             for registration in TRACERS {
                 let name = (registration.describe)().name;
                 let found = rows.iter().filter(|row| row.name() == name).count();
@@ -209,7 +210,7 @@ mod tests {
                 let shared = |name: &String| parameters.iter().any(|each| each.name == name);
                 assert!(row.name() == table.reference() || !row.changed.iter().any(shared), "{:?}", row.changed);
                 // The probe may choose the very value, and the row would be there twice.
-                assert!(!row.changed.iter().any(|name| name == READS), "{:?}", row.changed);
+                assert!(!row.changed.iter().any(|name| name == MEMORY_ACCESS), "{:?}", row.changed);
             }
         }
     }
@@ -231,7 +232,7 @@ mod tests {
                 assert!(requests.iter().any(|row| row.parameters == plain.parameters), "{}: {preset:?}", table.name);
             }
             assert!(find(table.name) == Some(table) && table.holds(registration.name()));
-            let all = table.contenders();
+            let all = table.configs();
             assert_eq!((all.len(), all.last().unwrap().name()), (requests.len() + 1, table.reference()));
             ablations += 1;
         }

@@ -12,7 +12,7 @@ use tracebench_scenes::Mesh;
 use crate::files;
 use crate::files::FileError;
 use crate::judge::{Class, Rule};
-use crate::measure::Crew;
+use crate::measure::TracerCache;
 use crate::measure::session::PreparedRays;
 use crate::measure::{self, LoadedScene, RunError};
 use crate::plan::Plan;
@@ -22,7 +22,7 @@ use crate::truth::{Cache, Ray64};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum What {
+pub enum PictureKind {
     /// Base colours lit from the eye, from the tracer's own hits.
     Shaded,
     /// Linear eye depth, near is bright.
@@ -65,7 +65,7 @@ const BACKGROUND: Rgb = [32, 36, 48];
 /// [`PictureError`] as its variants say; nothing is written then.
 pub fn draw(
     plan: &Plan,
-    what: What,
+    what: PictureKind,
     device: &Device,
     path: &Path,
     progress: &Progress,
@@ -81,21 +81,21 @@ pub fn draw(
     let session = &loaded.session;
     let name = request.name().to_owned();
     let failed = |error| RunError::Tracer { tracer: name.clone(), error };
-    let mut contender = Crew::default().contender(request, device).map_err(failed)?;
-    session.sample_build(&mut contender).map_err(failed)?;
+    let mut config = TracerCache::default().config(request, device).map_err(failed)?;
+    session.sample_build(&mut config).map_err(failed)?;
     let [width, height] = plan.preset.ray_image;
     let Some(rays) = session.rays.first() else {
         return Err(RunError::Nothing("there are no primary rays".to_owned()).into());
     };
-    let mut buffer = session.hit_buffer(&contender, rays).map_err(failed)?;
-    session.sample_trace(&contender, rays, &mut buffer, 1).map_err(failed)?;
+    let mut buffer = session.hit_buffer(&config, rays).map_err(failed)?;
+    session.sample_trace(&config, rays, &mut buffer, 1).map_err(failed)?;
     let hits = buffer.read(session.gpu()).map_err(failed)?;
     // The judge refuses answers that are none; pictures must not show them either.
-    session.judge(&contender, rays, &hits).map_err(RunError::from)?;
+    session.judge(&config, rays, &hits).map_err(RunError::from)?;
     let (pixels, legend) = match what {
-        What::Shaded => (shaded(&loaded, &mesh, rays, &hits, width as usize), Vec::new()),
-        What::Depth => depth(&loaded, rays, &hits),
-        What::Error => errors(&session.classes(&name, rays, Rule::Footprint, &hits).map_err(RunError::from)?),
+        PictureKind::Shaded => (shaded(&loaded, &mesh, rays, &hits, width as usize), Vec::new()),
+        PictureKind::Depth => depth(&loaded, rays, &hits),
+        PictureKind::Error => errors(&session.classes(&name, rays, Rule::Footprint, &hits).map_err(RunError::from)?),
     };
     write_png(path, width, height, &pixels)?;
     Ok(legend)
@@ -122,7 +122,7 @@ fn shaded(loaded: &LoadedScene, mesh: &Mesh, rays: &PreparedRays, hits: &[Hit], 
         let colour = material.map_or([0.75; 3], |material| material.base_color);
         let direction = DVec3::from(rays.buffer.host[index].direction.map(f64::from));
         let cosine = normal.dot(direction).abs();
-        // A little of the distance, so that parallel surfaces one behind the other can be told apart.
+        // A little of the distance, so that parallel surfaces one behind the other can be distinguished.
         let nearness = 1.0 / (1.0 + 0.5 * point.distance(loaded.session.viewpoint().eye.as_dvec3()) / truth.diagonal());
         colour.map(|channel| to_srgb(f64::from(channel) * (0.15 + 0.85 * cosine) * nearness))
     };

@@ -34,7 +34,7 @@ pub const ORIGIN_OFFSET_ULPS: f64 = 16.0;
 pub const AO_LENGTH_DIAGONALS: f64 = 0.1;
 
 /// Most rays of one set: some 200 bytes of memory each.
-pub const MOST_RAYS: u64 = 1 << 24;
+pub const MAX_RAYS: u64 = 1 << 24;
 
 /// The kinds of ray sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,7 +200,7 @@ impl Starts {
 
 /// Rays of a set, with the pixels that they started from.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct GeneratedRays {
     /// The rays.
     pub rays: Arc<Vec<Ray>>,
     /// Of every ray the pixel in scanline order; several rays may have one.
@@ -215,7 +215,7 @@ pub enum RayError {
     Empty(&'static str),
     /// More rays than can be held.
     #[error(
-        "the ray set would have {rays} rays, and at most {MOST_RAYS} are supported: turn down --size or --set {parameter}"
+        "the ray set would have {rays} rays, and at most {MAX_RAYS} are supported: turn down --size or --set {parameter}"
     )]
     TooMany {
         /// How many.
@@ -238,11 +238,11 @@ pub fn make(
     scene: &RayScene<'_>,
     primary: &Starts,
     tell: impl Fn(&Arc<Vec<Ray>>) -> Result<Vec<Answer>, TruthError>,
-) -> Result<Made, RayError> {
+) -> Result<GeneratedRays, RayError> {
     let order = scene.parameters.order;
     if set.kind == Kind::Primary && order == Order::Scanline {
         let pixels = Arc::new((0..primary.rays.len() as Pixel).collect());
-        return Ok(Made { rays: Arc::clone(&primary.rays), pixels });
+        return Ok(GeneratedRays { rays: Arc::clone(&primary.rays), pixels });
     }
     let several = match set.kind {
         Kind::PixelRandom => Some((scene.parameters.pixel_random_count, "rays.pixel_random_count")),
@@ -251,7 +251,7 @@ pub fn make(
     };
     if let Some((count, parameter)) = several {
         let rays = primary.rays.len() as u64 * u64::from(count);
-        if rays > MOST_RAYS {
+        if rays > MAX_RAYS {
             return Err(RayError::TooMany { rays, parameter });
         }
     }
@@ -290,7 +290,7 @@ pub fn make(
         return Err(RayError::Empty(why_empty(set.kind, primary)));
     }
     let (pixels, rays) = order::arrange(order, scene.image, scene.seed, made);
-    Ok(Made { rays: Arc::new(rays), pixels: Arc::new(pixels) })
+    Ok(GeneratedRays { rays: Arc::new(rays), pixels: Arc::new(pixels) })
 }
 
 /// Tags of the streams of glossy rays, bounce by bounce.

@@ -54,7 +54,7 @@ pub fn default_parameters() -> Parameters {
 }
 
 /// The least eye depth in focus: what lies nearer than near planes no view shows.
-const LEAST_FOCUS: f64 = 1e-3;
+const MIN_FOCUS: f64 = 1e-3;
 
 /// Refuses values that lie within their ranges and mean nothing all the same.
 ///
@@ -63,10 +63,10 @@ const LEAST_FOCUS: f64 = 1e-3;
 pub fn check_ray_parameters(parameters: &Parameters) -> Result<(), ParameterError> {
     let name = "lens_focus";
     match parameters.value(name) {
-        Some(Value::Real(focus)) if *focus > 0.0 && *focus < LEAST_FOCUS => Err(ParameterError::Value {
+        Some(Value::Real(focus)) if *focus > 0.0 && *focus < MIN_FOCUS => Err(ParameterError::Value {
             name: name.to_owned(),
             given: focus.to_string(),
-            expected: format!("0, or a number from {LEAST_FOCUS} on"),
+            expected: format!("0, or a number from {MIN_FOCUS} on"),
         }),
         _ => Ok(()),
     }

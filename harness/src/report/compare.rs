@@ -4,7 +4,7 @@ use super::document::Document;
 use super::format::{self, NONE, clock, optional, percent, significant, thousands};
 use super::sheet::{Cell, Sheet, Table};
 use crate::compare::{Accuracy, BuildRow, Changes, Comparison, Key, Shift, Side, Speed, TraceRow};
-use crate::results::{LEAST_ROUNDS, Movement, Ratio};
+use crate::results::{MIN_ROUNDS, Movement, Ratio};
 
 /// The whole comparison, as Markdown.
 pub fn comparison_text(comparison: &Comparison) -> String {
@@ -14,17 +14,17 @@ pub fn comparison_text(comparison: &Comparison) -> String {
     };
     let sides = [("A", &comparison.a), ("B", &comparison.b)].map(side).into_iter();
     let items = sides.chain(comparison.differences.iter().map(|difference| format!("**differs**, {difference}")));
-    let mut page = Document::titled("Comparison of two runs").and(items.map(|item| Document::default().item(item))).words(format!(
+    let mut page = Document::titled("Comparison of two runs").and(items.map(|item| Document::default().item(item))).paragraph(format!(
         "Ratios are speed of B over speed of A: below 1 is slower. Intervals combine order statistics of both; what they \
          cover stands beside. A time moved if its interval excludes 1 and the slower takes more than {threshold} % longer; it is within \
-         {threshold} % if the whole interval is; else it is undecided, as it is with fewer than {LEAST_ROUNDS} samples, with void \
+         {threshold} % if the whole interval is; else it is undecided, as it is with fewer than {MIN_ROUNDS} samples, with invalid \
          times, and where the fixed kernel tells of a machine that changed its speed. An accuracy moved if the 95 % intervals \
          are disjoint.",
         threshold = significant(comparison.threshold * 100.0, 3)
     ));
     page = page.and(moved(comparison));
     if comparison.is_empty() {
-        page = page.words("Nothing stands in both runs.");
+        page = page.paragraph("Nothing stands in both runs.");
     } else {
         page = page.heading(2, "Builds").table(builds(comparison));
         if !comparison.traces.is_empty() {
@@ -61,9 +61,9 @@ fn moved(comparison: &Comparison) -> Document {
     let traces = comparison.traces.iter().filter(changed).count();
     Document::default()
         .heading(2, "Moved beyond noise")
-        .words(if lines.is_empty() { "Nothing." } else { "" })
+        .paragraph(if lines.is_empty() { "Nothing." } else { "" })
         .and(lines.into_iter().map(|line| Document::default().item(line)))
-        .words(format!(
+        .paragraph(format!(
             "Exactly changed: {builds} of {} structures (bytes, statistics), {traces} of {} traces (answers, bytes, counters).",
             comparison.builds.len(),
             comparison.traces.len()
@@ -98,27 +98,27 @@ fn speed<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> &Speed + Copy + 'a) -> S
         (None, _) => None,
     };
     sheet
-        .told("clock", move |row| clock(of(row).a_clock))
-        .told("A, B (ms)", move |row| [of(row).a_ms, of(row).b_ms].map(|ms| optional(ms, 4)).join(", "))
-        .told("ratio", move |row| of(row).ratio)
-        .told("coverage", move |row| of(row).ratio.map(|ratio| format!("{:.1} %", ratio.coverage * 100.0)))
-        .told("time", move |row| said(of(row)))
+        .column("clock", move |row| clock(of(row).a_clock))
+        .column("A, B (ms)", move |row| [of(row).a_ms, of(row).b_ms].map(|ms| optional(ms, 4)).join(", "))
+        .column("ratio", move |row| of(row).ratio)
+        .column("coverage", move |row| of(row).ratio.map(|ratio| format!("{:.1} %", ratio.coverage * 100.0)))
+        .column("time", move |row| said(of(row)))
 }
 
 fn changed(changes: &Changes) -> String {
-    let value = |value: &Option<f64>| Cell::from(value.map(Cell::Statistic)).told();
+    let value = |value: &Option<f64>| Cell::from(value.map(Cell::Statistic)).describe();
     let each = |(name, [a, b]): (&String, &[Option<f64>; 2])| format!("{name} {} → {}", value(a), value(b));
     if changes.is_empty() { "same".to_owned() } else { changes.iter().map(each).collect::<Vec<_>>().join("; ") }
 }
 
 fn builds(comparison: &Comparison) -> Table {
     let sheet = Sheet::<(&BuildRow, &str, &Speed)>::new()
-        .told("scene", |(row, ..)| Cell::Name(row.key.scene.clone()))
-        .told("tracer", |(row, ..)| row.key.tracer.clone())
-        .told("what", |(_, what, _)| (*what).to_owned())
+        .column("scene", |(row, ..)| Cell::Name(row.key.scene.clone()))
+        .column("tracer", |(row, ..)| row.key.tracer.clone())
+        .column("what", |(_, what, _)| (*what).to_owned())
         .then(|sheet| speed(sheet, |(.., speed)| speed))
-        .told("bytes", |(row, ..)| changed(&row.bytes))
-        .told("structure", |(row, ..)| changed(&row.statistics));
+        .column("bytes", |(row, ..)| changed(&row.bytes))
+        .column("structure", |(row, ..)| changed(&row.statistics));
     let of_row = |row| BuildRow::speeds(row).map(move |(what, speed)| (row, what, speed));
     let rows: Vec<_> = comparison.builds.iter().flat_map(of_row).collect();
     sheet.table(&rows)
@@ -126,15 +126,15 @@ fn builds(comparison: &Comparison) -> Table {
 
 fn traces(comparison: &Comparison) -> Table {
     let sheet = Sheet::<TraceRow>::new()
-        .told("scene", |row| Cell::Name(row.key.scene.clone()))
-        .told("tracer", |row| row.key.tracer.clone())
-        .told("rays", |row| row.key.rays.clone().unwrap_or_default())
+        .column("scene", |row| Cell::Name(row.key.scene.clone()))
+        .column("tracer", |row| row.key.tracer.clone())
+        .column("rays", |row| row.key.rays.clone().unwrap_or_default())
         // No speed stands without its accuracy.
         .then(|sheet| speed(sheet, |row| &row.speed))
-        .told("accuracy, A → B", |row| row.accuracy.iter().map(accuracy).collect::<Vec<_>>().join("; "))
-        .told("answers", |row| if row.same_hits { "same" } else { "differ" })
-        .told("counters, totals", |row| changed(&row.counters))
-        .told("bytes", |row| changed(&row.bytes));
+        .column("accuracy, A → B", |row| row.accuracy.iter().map(accuracy).collect::<Vec<_>>().join("; "))
+        .column("answers", |row| if row.same_hits { "same" } else { "differ" })
+        .column("counters, totals", |row| changed(&row.counters))
+        .column("bytes", |row| changed(&row.bytes));
     sheet.table(&comparison.traces)
 }
 

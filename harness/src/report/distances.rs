@@ -1,7 +1,7 @@
 //! What a summary says of how far told hits are from the mesh, of sets that a tracer with images along axes answers: its texels are
 //! the measure that such a method is built for.
 
-use super::cells::Row;
+use super::cells::TableRow;
 use super::document::Document;
 use super::format::significant;
 use super::group::Role;
@@ -13,10 +13,10 @@ use crate::results::{PieceDistance, SurfaceDistance};
 const SHOWN_PIECES: usize = 6;
 
 /// Every table; nothing where no tracer has texels of its own.
-pub(super) fn tables(rows: &[Row<'_>]) -> Document {
-    let told: Vec<(Row<'_>, &SurfaceDistance)> = rows
+pub(super) fn tables(rows: &[TableRow<'_>]) -> Document {
+    let told: Vec<(TableRow<'_>, &SurfaceDistance)> = rows
         .iter()
-        .filter(|row| row.0 == Role::Contender)
+        .filter(|row| row.0 == Role::Tracer)
         .filter_map(|row| Some((*row, metrics::distance(row.2)?)))
         .collect();
     if told.iter().all(|(_, told)| told.own_texel.is_none()) {
@@ -24,10 +24,10 @@ pub(super) fn tables(rows: &[Row<'_>]) -> Document {
     }
     let sheet = Sheet::<Told<'_>>::new()
         .name(|(row, _)| Some(*row))
-        .told("rays with a true hit", |(_, told)| told.rays)
+        .column("rays with a true hit", |(_, told)| told.rays)
         .trace(WITHIN_TEXEL, |((.., trace), _)| Some(trace))
         .trace(WITHIN_OWN_TEXEL, |((.., trace), _)| Some(trace))
-        .told("its texel (scene units)", |(_, told)| told.own_texel.map(|texel| Cell::Number(texel, 3)))
+        .column("its texel (scene units)", |(_, told)| told.own_texel.map(|texel| Cell::Number(texel, 3)))
         .trace(SURFACE_DISTANCE, |((.., trace), _)| Some(trace));
     let common = told.first().map_or(0.0, |(_, told)| told.common_texel);
     let words = format!(
@@ -36,16 +36,16 @@ pub(super) fn tables(rows: &[Row<'_>]) -> Document {
     );
     Document::of(words)
         .table(sheet.table(&told))
-        .words("The pieces of mesh that most rays truly hit, and what is left without each:")
+        .paragraph("The pieces of mesh that most rays truly hit, and what is left without each:")
         .table(pieces(&told))
 }
 
 /// A trace with how far its hits are off.
-type Told<'a> = (Row<'a>, &'a SurfaceDistance);
+type Told<'a> = (TableRow<'a>, &'a SurfaceDistance);
 
 /// The pieces that have the most rays, of tracers with texels of their own.
 fn pieces(told: &[Told<'_>]) -> Table {
-    let mut rows: Vec<(Row<'_>, &SurfaceDistance, &PieceDistance)> = Vec::new();
+    let mut rows: Vec<(TableRow<'_>, &SurfaceDistance, &PieceDistance)> = Vec::new();
     for (row, told) in told.iter().filter(|(_, told)| told.own_texel.is_some()) {
         rows.extend(told.pieces.iter().take(SHOWN_PIECES).map(|piece| (*row, *told, piece)));
     }
@@ -56,17 +56,17 @@ fn pieces(told: &[Told<'_>]) -> Table {
     let within_others = move |told: &SurfaceDistance, piece: &PieceDistance| {
         Some((told.within_own_texel? * told.rays as f64).round() - within(piece)?)
     };
-    let sheet = Sheet::<(Row<'_>, &SurfaceDistance, &PieceDistance)>::new()
+    let sheet = Sheet::<(TableRow<'_>, &SurfaceDistance, &PieceDistance)>::new()
         .name(|(row, ..)| Some(*row))
-        .told("piece (first triangle)", |(.., piece)| piece.first_triangle)
-        .told("triangles", |(.., piece)| piece.triangles)
-        .told("mean thickness (scene units)", |(.., piece)| match piece.open {
+        .column("piece (first triangle)", |(.., piece)| piece.first_triangle)
+        .column("triangles", |(.., piece)| piece.triangles)
+        .column("mean thickness (scene units)", |(.., piece)| match piece.open {
             true => Cell::from("open"),
             false => piece.mean_thickness.map(|thickness| Cell::Number(thickness, 3)).into(),
         })
-        .told("rays", |(.., piece)| piece.rays)
-        .told("within its own texel ↑", move |(.., piece)| share(within(piece), piece.rays))
-        .told("rays that hit other pieces ↑", move |(_, told, piece)| {
+        .column("rays", |(.., piece)| piece.rays)
+        .column("within its own texel ↑", move |(.., piece)| share(within(piece), piece.rays))
+        .column("rays that hit other pieces ↑", move |(_, told, piece)| {
             share(within_others(told, piece), told.rays - piece.rays)
         });
     sheet.table(&rows)

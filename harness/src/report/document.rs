@@ -5,13 +5,14 @@
 
 use tracebench_api::Query;
 
+use super::chart::Drawing;
 use super::format::{self, thousands};
 use super::markdown::literal;
 use super::sheet::Table;
 use crate::results::SceneRecord;
 
 /// A part of a document.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub(crate) enum Block {
     /// A heading with its level, 1 for the title, and what is below it.
     Heading(usize, String, Of),
@@ -21,8 +22,8 @@ pub(crate) enum Block {
     Item(String),
     /// A table.
     Table(Table),
-    /// A chart: its file without the end, and what it shows.
-    Chart(String, String),
+    /// A chart: its file without the end, what it shows, and itself.
+    Chart(String, String, Drawing),
 }
 
 /// What a part belongs to.
@@ -35,7 +36,7 @@ pub(crate) struct Of {
 }
 
 /// A document.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct Document {
     /// Its parts.
     pub(crate) blocks: Vec<Block>,
@@ -49,7 +50,7 @@ impl Document {
 
     /// One of a paragraph.
     pub(crate) fn of(words: impl Into<String>) -> Self {
-        Self::default().words(words)
+        Self::default().paragraph(words)
     }
 
     /// Its title.
@@ -87,7 +88,7 @@ impl Document {
     }
 
     /// With a paragraph, where there are any words.
-    pub(crate) fn words(self, words: impl Into<String>) -> Self {
+    pub(crate) fn paragraph(self, words: impl Into<String>) -> Self {
         let words = words.into();
         if words.is_empty() { self } else { self.block(Block::Words(words)) }
     }
@@ -104,12 +105,19 @@ impl Document {
 
     /// With a table below some words, where it has rows.
     pub(crate) fn below(self, words: impl Into<String>, table: Table) -> Self {
-        if table.is_empty() { self } else { self.words(words).table(table) }
+        if table.is_empty() { self } else { self.paragraph(words).table(table) }
     }
 
     /// With a chart.
-    pub(crate) fn chart(self, stem: impl Into<String>, alt: impl Into<String>) -> Self {
-        self.block(Block::Chart(stem.into(), alt.into()))
+    pub(crate) fn chart(self, stem: impl Into<String>, alt: impl Into<String>, drawing: Drawing) -> Self {
+        self.block(Block::Chart(stem.into(), alt.into(), drawing))
+    }
+
+    /// Its charts.
+    pub(crate) fn charts(&self) -> impl Iterator<Item = (&str, &Drawing)> {
+        self.blocks.iter().filter_map(|block| {
+            if let Block::Chart(stem, _, drawing) = block { Some((&**stem, drawing)) } else { None }
+        })
     }
 
     /// With what others have.

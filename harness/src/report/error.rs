@@ -36,12 +36,12 @@ pub enum ReportError {
         source: io::Error,
     },
     /// A file that is larger than records are, or would be unpacked.
-    #[error("{} holds more than {} MiB of JSON, the most that is read of a record; give what a run was written to", path.display(), most_bytes >> 20)]
+    #[error("{} holds more than {} MiB of JSON, the most that is read of a record; give what a run was written to", path.display(), max_bytes >> 20)]
     TooLarge {
         /// The file.
         path: PathBuf,
         /// The most.
-        most_bytes: u64,
+        max_bytes: u64,
     },
     /// What no run can have come to.
     #[error("{} is no record of a run: {reason}; it was changed or made by something else: run again", path.display())]
@@ -71,9 +71,9 @@ pub enum ReportError {
     },
     /// A run of another version of this program.
     #[error(
-        "{} follows schema {found}, this program reads schema {wanted}; use the version of the program that wrote it, \
-         or run again",
-        path.display()
+        "{} follows schema {found}, this program reads schema {wanted}; {}", path.display(),
+        if found == "2" { "convert it: cargo run --release --example convert_record -- FILE" }
+        else { "use the version of the program that wrote it, or run again" }
     )]
     Schema {
         /// The file.
@@ -85,7 +85,7 @@ pub enum ReportError {
     },
     /// A file's contents cannot be made.
     #[error("cannot make {what}: {reason}")]
-    Made {
+    NotMade {
         /// The file's name.
         what: String,
         /// Why.

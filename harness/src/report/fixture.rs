@@ -5,7 +5,7 @@ mod fronts;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffer, MemoryEntry, Query, Rasterizer};
+use tracebench_api::{AdapterInfo, ClockKind, DeviceLimits, HitBuffer, MemoryEntry, Query, Rasterizer, TraceTo};
 
 pub(crate) use fronts::{FrontQuality, fronts};
 
@@ -13,21 +13,34 @@ use crate::files::OutputFolder;
 use crate::machine::Machine;
 use crate::report::{self, Report, ReportError, Tables};
 use crate::results::{
-    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, EndedBy, Headline, Judgement,
-    MemoryRecord, Occlusion, Percentiles, PhaseRecord, PieceDistance, Provenance, RaceRecord, Run, SCHEMA, Sampling,
-    SceneRecord, Skipped, SurfaceDistance, Times, TraceRecord, TracerRecord, TracerRun, TrueCounts, ViewpointRecord,
-    WrongRay,
+    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, InterleavedSetRecord, Judgement,
+    MemoryRecord, Occlusion, PerRule, Percentiles, PhaseRecord, PieceDistance, Provenance, Record, Row, SCHEMA,
+    SampleSchedule, SceneRecord, Skipped, StopReason, SurfaceDistance, Times, TraceRecord, TracerRecord, TrueCounts,
+    ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
 /// Writes a record and what derives from it into a folder that is opened for this.
-pub(crate) fn write_run(run: &Run, folder: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    report::write_run(run, &OutputFolder::open(folder)?, tables)
+pub(crate) fn write_run(record: &Record, folder: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+    report::write_run(record, &OutputFolder::open(folder)?, tables)
 }
 
 /// Writes what derives from a record into a folder that is opened for this.
-pub(crate) fn write_derived(run: &Run, folder: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    report::write_derived(run, &OutputFolder::open(folder)?, tables)
+pub(crate) fn write_derived(record: &Record, folder: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+    report::write_derived(record, &OutputFolder::open(folder)?, tables)
+}
+
+/// Rows of a table by their columns.
+pub(crate) fn rows(folder: &Path, name: &str) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join(name)).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+/// Those of configurations.
+pub(crate) fn configs(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    rows(folder, "rows.csv").into_iter().filter(|row| row["role"] == "tracer").collect()
 }
 
 /// Rays of every set.
@@ -54,14 +67,14 @@ pub(crate) struct Quality {
 }
 
 /// An analytic and a sampled tracer, the controls, three ray sets.
-pub(crate) fn typical() -> Run {
+pub(crate) fn typical() -> Record {
     let exact = Quality { missed: 0.0, blur: 1e-9, speed: 3.1, clock: ClockKind::Host };
     let sampled = Quality { missed: 0.11, blur: 2e-4, speed: 11.0, clock: ClockKind::SubmitToDone };
     run(&[("bvh-cpu", exact), ("screen-dda", sampled)], &SETS)
 }
 
 /// Twelve tracers, some with long names, over five decades of speed, one without a wrong ray.
-pub(crate) fn crowded() -> Run {
+pub(crate) fn crowded() -> Record {
     let names = [
         "bvh-cpu",
         "bvh-gpu",
@@ -87,10 +100,10 @@ pub(crate) fn crowded() -> Run {
     run(&named, &SETS)
 }
 
-/// Contenders of given qualities on given ray sets, with the controls.
-pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run {
+/// Configurations of given qualities on given ray sets, with the controls.
+pub(crate) fn run(configs: &[(&str, Quality)], sets: &[(&str, Query)]) -> Record {
     let controls = [("oracle", 0.0, 0.0), ("always-miss", 1.0, 0.0), ("always-hit", 0.0, 0.3), ("corrupted", 0.0, 0.0)];
-    Run {
+    Record {
         schema: SCHEMA,
         provenance: provenance(),
         seed: 20_260_101,
@@ -106,9 +119,12 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         ray_parameters: BTreeMap::new(),
         control_names: crate::measure::controls::Control::names(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
-        runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
+        rows: configs.iter().map(|(name, quality)| config(name, *quality, sets)).collect(),
         anchors: Vec::new(),
-        races: std::iter::once("builds").chain(sets.iter().map(|(rays, _)| *rays)).map(race).collect(),
+        interleaved_sets: std::iter::once("builds")
+            .chain(sets.iter().map(|(rays, _)| *rays))
+            .map(interleaved_set)
+            .collect(),
         skipped: vec![Skipped {
             tracer: Some("bvh-ray-query".to_owned()),
             scene: "room".to_owned(),
@@ -119,8 +135,8 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
 }
 
 /// Lets ambiguous rays count, of which each may hit and may miss.
-pub(crate) fn judge_ambiguous(run: &mut Run) {
-    for trace in run.runs.iter_mut().chain(&mut run.controls).flat_map(|one| &mut one.traces) {
+pub(crate) fn judge_ambiguous(record: &mut Record) {
+    for trace in record.rows.iter_mut().chain(&mut record.controls).flat_map(|one| &mut one.traces) {
         let Judgement::Closest(closest) = &mut trace.judgement else { continue };
         closest.agreement_without_ambiguous = Some(closest.agreement.clone());
         closest.truth = Some(TrueCounts {
@@ -138,26 +154,26 @@ pub(crate) fn judge_ambiguous(run: &mut Run) {
     }
 }
 
-/// A race in which nothing drifts.
-pub(crate) fn race(work: &str) -> RaceRecord {
-    RaceRecord {
+/// An interleaved set in which nothing drifts.
+pub(crate) fn interleaved_set(work: &str) -> InterleavedSetRecord {
+    InterleavedSetRecord {
         scene: "room".to_owned(),
         viewpoint: "door".to_owned(),
-        window: 0,
+        resident_batch: 0,
         work: work.to_owned(),
-        lanes: Vec::new(),
+        participants: Vec::new(),
         order_seed: 1,
         orders: Vec::new(),
         each_round: "the same rays".to_owned(),
         warm_up_rounds: 1,
-        sampling: Sampling::rounds(20),
-        ended_by: EndedBy::Rounds,
+        sampling: SampleSchedule::rounds(20),
+        stop_reason: StopReason::Rounds,
         sampled_s: 1.0,
         widest_interval: None,
         clock_ticks: None,
         kernels: Vec::new(),
         drift: false,
-        twice: Vec::new(),
+        doubled_work: Vec::new(),
         repeated_because: None,
     }
 }
@@ -168,7 +184,7 @@ pub(crate) fn provenance() -> Provenance {
         machine: machine(),
         commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
         dirty: Some(true),
-        means: None,
+        launch: None,
         started: "2031-05-06T07:08:09Z".to_owned(),
         rules_version: 2,
         resumed: Vec::new(),
@@ -186,7 +202,7 @@ fn machine() -> Machine {
         memory_bytes: Some(16 << 30),
         os: "Linux 6.1".to_owned(),
         rustc: "rustc 1.88.0".to_owned(),
-        adapter: Some(AdapterListing {
+        adapter: Some(AdapterInfo {
             name: "llvmpipe (LLVM 15.0.6, 256 bits)".to_owned(),
             backend: "vulkan".to_owned(),
             kind: "software".to_owned(),
@@ -239,8 +255,8 @@ fn viewpoint() -> ViewpointRecord {
 }
 
 /// A run with first and steady builds, of 8 and 2 times as long as the phases by the host's clock.
-pub(crate) fn with_whole_builds(mut run: Run) -> Run {
-    for build in run.runs.iter_mut().chain(&mut run.anchors).map(|row| &mut row.build) {
+pub(crate) fn with_whole_builds(mut record: Record) -> Record {
+    for build in record.rows.iter_mut().chain(&mut record.anchors).map(|row| &mut row.build) {
         let samples = build.times.submit_to_done_samples_ms.iter().chain(&build.times.samples_ms);
         let samples: Vec<f64> = samples.take(build.times.samples_ms.len()).copied().collect();
         let quality = Quality { missed: 0.0, blur: 0.0, speed: 1.0, clock: ClockKind::Host };
@@ -250,16 +266,16 @@ pub(crate) fn with_whole_builds(mut run: Run) -> Run {
         };
         (build.first, build.steady) = (whole(8.0), whole(2.0));
     }
-    run
+    record
 }
 
-fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> TracerRun {
+fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> Row {
     let quality = Quality { missed, blur, speed: 1.0, clock: ClockKind::Host };
-    let mut run = contender(name, quality, sets);
-    run.tracer.preset = "control".to_owned();
-    run.build.times.samples_ms.clear();
-    run.build.times.phases.clear();
-    for trace in &mut run.traces {
+    let mut row = config(name, quality, sets);
+    row.tracer.preset = "control".to_owned();
+    row.build.times.samples_ms.clear();
+    row.build.times.phases.clear();
+    for trace in &mut row.traces {
         trace.times.samples_ms.clear();
         trace.counters.clear();
         if name == "always-hit" {
@@ -269,7 +285,7 @@ fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> Tracer
             corrupt(&mut trace.judgement);
         }
     }
-    run
+    row
 }
 
 /// Makes a verdict that of a tracer which never says miss.
@@ -316,7 +332,7 @@ fn corrupt(judgement: &mut Judgement) {
     }
 }
 
-fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun {
+fn config(name: &str, quality: Quality, sets: &[(&str, Query)]) -> Row {
     let (name, preset) = name.split_once(':').unwrap_or((name, "published"));
     let samples: Vec<f64> = (0..20).map(|index| 40.0 + f64::from(index * 7 % 10)).collect();
     let phase = |name: &str| PhaseRecord {
@@ -324,7 +340,7 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
         median_ms: median(&samples) / 2.0,
         samples_ms: samples.iter().map(|sample| sample / 2.0).collect(),
     };
-    TracerRun {
+    Row {
         scene: scene(),
         viewpoint: viewpoint(),
         tracer: TracerRecord {
@@ -334,9 +350,9 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
             changed: Vec::new(),
             residency: if quality.clock == ClockKind::Host { "host" } else { "device" }.to_owned(),
         },
-        way: None,
-        strength: None,
-        window: 0,
+        update_mode: None,
+        difficulty_level: None,
+        resident_batch: 0,
         machine: 0,
         memory: MemoryRecord {
             structure: vec![MemoryEntry { name: "nodes".to_owned(), allocated_bytes: 7 << 20, used_bytes: 6 << 20 }],
@@ -355,7 +371,7 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
     }
 }
 
-fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>, race: u32) -> Times {
+fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>, interleaved_set: u32) -> Times {
     let (interval_ms, interval_coverage) = median_interval(samples);
     Times {
         clock: quality.clock,
@@ -371,9 +387,9 @@ fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>, race: u32)
             ClockKind::Host => Vec::new(),
             _ => samples.iter().map(|sample| sample + 0.3).collect(),
         },
-        race: Some(race),
-        void: None,
-        aligned_by: None,
+        interleaved_set: Some(interleaved_set),
+        invalid: None,
+        anchor_scale: None,
     }
 }
 
@@ -381,17 +397,17 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
     let speed = quality.speed / (1.0 + 0.6 * index as f64);
     let jitter = |sample: i32| 1.0 + 0.02 * f64::from(sample * 3 % 10 - 5);
     let samples: Vec<f64> = (0..20).map(|sample| COUNT as f64 / (speed * 1e3) * jitter(sample)).collect();
-    let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, greatest_per_ray: Some(412) };
+    let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, max_per_ray: Some(412) };
     TraceRecord {
         rays: rays.to_owned(),
         rays_sha256: format!("{index:064x}"),
         query,
         count: COUNT,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         times: times(quality, &samples, Vec::new(), index as u32 + 1),
         mrays_per_s: COUNT as f64 / (median(&samples) * 1e3),
         per_trace_bytes: COUNT * 52,
-        per_trace: HitBuffer::memory(EndPoint::Hit, COUNT as usize),
+        per_trace: HitBuffer::memory(TraceTo::Hit, COUNT as usize),
         hits_sha256: format!("{:064x}", index + 7),
         counters: BTreeMap::from([("nodes".to_owned(), counter)]),
         statuses: BTreeMap::from([("hit".to_owned(), HITS), ("miss".to_owned(), COUNT - HITS)]),
@@ -427,12 +443,12 @@ fn closest(quality: Quality) -> ClosestJudgement {
     let agreement = |tolerance: f64| (hit * within(tolerance, quality.blur) + misses as f64) / (COUNT - TIES) as f64;
     let mut judgement = ClosestJudgement {
         classes: ByRule { tight: classes(1e-5), footprint: classes(1e-3) },
-        ties: TIES,
-        many_ties: false,
-        agreement: Headline::default(),
+        ambiguous_rays: TIES,
+        many_ambiguous_rays: false,
+        agreement: PerRule::default(),
         agreement_without_ambiguous: None,
         truth: None,
-        interval: Headline::default(),
+        interval: PerRule::default(),
         curve: curve.map(|tolerance| [tolerance, agreement(tolerance)]).collect(),
         position_error: Percentiles {
             p50: Some(quality.blur),
@@ -490,8 +506,8 @@ fn score(judgement: &mut ClosestJudgement) {
     let footprint = judgement.classes.footprint.true_hit + judgement.classes.footprint.true_miss;
     let hit_miss = trials - judgement.classes.tight.false_hit - judgement.classes.tight.false_miss;
     let share = |right: u64| Some(right as f64 / trials as f64);
-    judgement.agreement = Headline { hit_miss: share(hit_miss), tight: share(tight), footprint: share(footprint) };
-    judgement.interval = Headline {
+    judgement.agreement = PerRule { hit_miss: share(hit_miss), tight: share(tight), footprint: share(footprint) };
+    judgement.interval = PerRule {
         hit_miss: wilson(hit_miss, trials),
         tight: wilson(tight, trials),
         footprint: wilson(footprint, trials),
@@ -519,8 +535,8 @@ fn any(quality: Quality) -> AnyJudgement {
             balanced_accuracy,
             balanced_accuracy_interval,
         },
-        ties: TIES,
-        many_ties: false,
+        ambiguous_rays: TIES,
+        many_ambiguous_rays: false,
         causes: BTreeMap::from([("occlusion".to_owned(), BTreeMap::from([("off_view".to_owned(), false_free)]))]),
         wrong_rays: wrong_rays(quality),
     }
@@ -546,7 +562,7 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
 }
 
 /// The table of peers that a run was made for.
-pub(crate) fn tables(run: &Run) -> Result<Report, ReportError> {
-    let table = run.table.as_deref().and_then(crate::peers::find);
-    Ok(table.map(|table| super::peers::report(table, run)).unwrap_or_default())
+pub(crate) fn tables(record: &Record) -> Result<Report, ReportError> {
+    let table = record.table.as_deref().and_then(crate::peers::find);
+    Ok(table.map(|table| super::peers::report(table, record)).unwrap_or_default())
 }

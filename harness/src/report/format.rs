@@ -1,6 +1,6 @@
 //! Numbers and names as text.
 
-use tracebench_api::{ClockKind, EndPoint, Query};
+use tracebench_api::{ClockKind, Query, TraceTo};
 
 use crate::results::Times;
 
@@ -107,11 +107,11 @@ pub(super) fn clock(clock: ClockKind) -> &'static str {
     }
 }
 
-/// The clock of times, whether another was refused, and whether they are void.
+/// The clock of times, whether another was refused, and whether they are invalid.
 pub(crate) fn clock_of(times: &Times) -> String {
     let refused = if times.timestamps_refused { " (timestamps not believed)" } else { "" };
-    let void = if times.void.is_some() { " (**times void**)" } else { "" };
-    format!("{}{refused}{void}", clock(times.clock))
+    let invalid = if times.invalid.is_some() { " (**times invalid**)" } else { "" };
+    format!("{}{refused}{invalid}", clock(times.clock))
 }
 
 /// A clock's name as a table's value.
@@ -132,9 +132,9 @@ pub(crate) fn query(query: Query) -> &'static str {
 }
 
 /// An end point's name.
-pub(super) fn end(end: EndPoint) -> String {
+pub(super) fn trace_to(trace_to: TraceTo) -> String {
     // The type may grow; its own serialised name is the one in run.json.
-    serde_json::to_value(end).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+    serde_json::to_value(trace_to).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// The first digits of a hash, enough to tell hashes apart by eye.

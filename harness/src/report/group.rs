@@ -6,21 +6,21 @@ use tracebench_api::Query;
 
 use super::document::{Document, set_heading};
 use super::format;
-use crate::results::{Paired, Run, SceneRecord, Timed, TraceRecord, TracerRun, ViewpointRecord};
+use crate::results::{Paired, Record, Row, SceneRecord, Timed, TraceRecord, ViewpointRecord};
 
 /// Runs that may be compared.
 #[derive(Debug)]
 pub(super) struct Group<'a> {
-    /// The part of file names that tells groups apart.
+    /// The part of file names that distinguishes groups.
     pub stem: String,
     /// The scene.
     pub scene: &'a SceneRecord,
     /// The viewpoint; frame and face may differ between tracers.
     pub viewpoint: &'a ViewpointRecord,
     /// The controls.
-    pub controls: Vec<&'a TracerRun>,
-    /// The contenders.
-    pub contenders: Vec<&'a TracerRun>,
+    pub controls: Vec<&'a Row>,
+    /// The configurations.
+    pub configs: Vec<&'a Row>,
     /// The ray sets that any of them traced, in order of first appearance.
     pub ray_sets: Vec<RaySet<'a>>,
 }
@@ -38,13 +38,13 @@ pub(super) struct RaySet<'a> {
     sha256: &'a str,
 }
 
-/// Whether a row is a control's or a contender's.
+/// Whether a row is a control's or a configuration's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
     /// Its score is known beforehand.
     Control,
     /// What is measured.
-    Contender,
+    Tracer,
 }
 
 impl Role {
@@ -52,22 +52,22 @@ impl Role {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Control => "control",
-            Self::Contender => "contender",
+            Self::Tracer => "tracer",
         }
     }
 }
 
 impl<'a> Group<'a> {
     /// Every run with its role, controls first.
-    pub(super) fn all(&self) -> impl Iterator<Item = (Role, &'a TracerRun)> {
-        let controls = self.controls.iter().map(|run| (Role::Control, *run));
-        controls.chain(self.contenders.iter().map(|run| (Role::Contender, *run)))
+    pub(super) fn all(&self) -> impl Iterator<Item = (Role, &'a Row)> {
+        let controls = self.controls.iter().map(|row| (Role::Control, *row));
+        controls.chain(self.configs.iter().map(|row| (Role::Tracer, *row)))
     }
 
     /// Every trace of a ray set, controls last as in the tables.
-    pub(super) fn traces(&self, set: &RaySet<'_>) -> Vec<(Role, &'a TracerRun, &'a TraceRecord)> {
-        let of_run = |(role, run): (Role, &'a TracerRun)| {
-            run.traces.iter().filter(|trace| set.holds(trace)).map(move |trace| (role, run, trace)).collect::<Vec<_>>()
+    pub(super) fn traces(&self, set: &RaySet<'_>) -> Vec<(Role, &'a Row, &'a TraceRecord)> {
+        let of_run = |(role, row): (Role, &'a Row)| {
+            row.traces.iter().filter(|trace| set.holds(trace)).map(move |trace| (role, row, trace)).collect::<Vec<_>>()
         };
         let mut traces: Vec<_> = self.all().flat_map(of_run).collect();
         traces.sort_by_key(|(role, ..)| *role == Role::Control);
@@ -75,10 +75,10 @@ impl<'a> Group<'a> {
     }
 
     /// Whether two runs were given the same rays; frame and face shape structures, not rays.
-    fn takes(&self, run: &TracerRun) -> bool {
-        let (ours, theirs) = (self.viewpoint, &run.viewpoint);
-        self.scene.name == run.scene.name
-            && self.scene.sha256 == run.scene.sha256
+    fn takes(&self, row: &Row) -> bool {
+        let (ours, theirs) = (self.viewpoint, &row.viewpoint);
+        self.scene.name == row.scene.name
+            && self.scene.sha256 == row.scene.sha256
             && ours.name == theirs.name
             && (ours.eye, ours.forward, ours.up) == (theirs.eye, theirs.forward, theirs.up)
             && ours.vertical_fov_degrees == theirs.vertical_fov_degrees
@@ -101,28 +101,28 @@ impl RaySet<'_> {
     }
 
     /// A row's trace of these rays.
-    pub(super) fn trace_of<'a>(&self, row: &'a TracerRun) -> Option<&'a TraceRecord> {
+    pub(super) fn trace_of<'a>(&self, row: &'a Row) -> Option<&'a TraceRecord> {
         row.traces.iter().find(|trace| self.holds(trace))
     }
 
     /// How many times as long one row took over these rays as another.
-    pub(super) fn paired(&self, run: &Run, one: &TracerRun, other: &TracerRun) -> Option<Paired> {
-        Some(run.paired(&Timed::trace(one, self.trace_of(one)?), &Timed::trace(other, self.trace_of(other)?)))
+    pub(super) fn paired(&self, record: &Record, one: &Row, other: &Row) -> Option<Paired> {
+        Some(record.paired(&Timed::trace(one, self.trace_of(one)?), &Timed::trace(other, self.trace_of(other)?)))
     }
 }
 
 /// Sorts a run into groups, in order of first appearance.
-pub(super) fn groups(run: &Run) -> Vec<Group<'_>> {
+pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
-    let roles = [(Role::Contender, &run.runs), (Role::Control, &run.controls)];
-    for (role, one) in roles.into_iter().flat_map(|(role, runs)| runs.iter().map(move |one| (role, one))) {
+    let roles = [(Role::Tracer, &record.rows), (Role::Control, &record.controls)];
+    for (role, one) in roles.into_iter().flat_map(|(role, rows)| rows.iter().map(move |one| (role, one))) {
         let index = groups.iter().position(|group| group.takes(one)).unwrap_or_else(|| {
             groups.push(Group {
                 stem: String::new(),
                 scene: &one.scene,
                 viewpoint: &one.viewpoint,
                 controls: Vec::new(),
-                contenders: Vec::new(),
+                configs: Vec::new(),
                 ray_sets: Vec::new(),
             });
             groups.len() - 1
@@ -130,7 +130,7 @@ pub(super) fn groups(run: &Run) -> Vec<Group<'_>> {
         let group = &mut groups[index];
         match role {
             Role::Control => group.controls.push(one),
-            Role::Contender => group.contenders.push(one),
+            Role::Tracer => group.configs.push(one),
         }
         for trace in &one.traces {
             if !group.ray_sets.iter().any(|set| set.holds(trace)) {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::hash::sha256_of;
-use crate::results::{FrontScene, PICTURES_FOLDER, Run};
+use crate::results::{FrontScene, PICTURES_FOLDER, Record};
 
 /// Hexadecimal digits of a name.
 const DIGITS: usize = 32;
@@ -22,8 +22,8 @@ pub(crate) enum Kept {
 }
 
 /// Looks for a picture beside a record, its folder or its file. A record names files of one folder alone.
-pub(crate) fn picture(record: &Path, name: &str) -> Kept {
-    let folder = if record.is_dir() { Some(record) } else { record.parent() };
+pub(crate) fn picture(path: &Path, name: &str) -> Kept {
+    let folder = if path.is_dir() { Some(path) } else { path.parent() };
     let is_hash = |hash: &&str| hash.len() == DIGITS && hash.bytes().all(|c| c.is_ascii_hexdigit());
     let (Some(folder), Some(hash)) = (folder, name.strip_suffix(".png").filter(is_hash)) else { return Kept::Missing };
     match fs::read(folder.join(PICTURES_FOLDER).join(name)) {
@@ -34,10 +34,10 @@ pub(crate) fn picture(record: &Path, name: &str) -> Kept {
 }
 
 /// The pictures that a record names and under whose names something else lies.
-pub fn others(record: &Path, run: &Run) -> Vec<String> {
+pub fn others(path: &Path, record: &Record) -> Vec<String> {
     let files: BTreeSet<&str> =
-        run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files).collect();
-    files.into_iter().filter(|name| picture(record, name) == Kept::Other).map(str::to_owned).collect()
+        record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files).collect();
+    files.into_iter().filter(|name| picture(path, name) == Kept::Other).map(str::to_owned).collect()
 }
 
 #[cfg(test)]

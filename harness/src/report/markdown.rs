@@ -21,7 +21,7 @@ impl Document {
                 Block::Words(words) => writeln!(text, "{}", safe(words)),
                 Block::Item(words) => writeln!(text, "- {}", safe(words)),
                 Block::Table(table) => write!(text, "{}", table.markdown()),
-                Block::Chart(stem, alt) => writeln!(text, "![{}]({stem}.svg)", inline(alt)),
+                Block::Chart(stem, alt, _) => writeln!(text, "![{}]({stem}.svg)", inline(alt)),
             };
         }
         text

@@ -7,7 +7,7 @@ use tracebench_api::Query;
 pub(crate) use list::*;
 
 use super::sheet::{Accuracy, Cell, Column};
-use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceDistance, TraceRecord, TracerRun};
+use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, Row, SurfaceDistance, TraceRecord};
 
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,13 +21,13 @@ pub(crate) enum Better {
 }
 
 /// A tracer's run with one of its traces.
-pub(crate) type Traced<'a> = (&'a TracerRun, &'a TraceRecord);
+pub(crate) type Traced<'a> = (&'a Row, &'a TraceRecord);
 
 /// Where a figure is found.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     /// With the structure, whatever it traces.
-    Structure(fn(&TracerRun) -> Option<Cell>),
+    Structure(fn(&Row) -> Option<Cell>),
     /// With a trace.
     Trace(fn(&TraceRecord) -> Option<Cell>),
 }
@@ -35,8 +35,8 @@ enum Source {
 /// A figure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metric {
-    /// Its name in tables for programs, with the unit at its end, then those of what else its cells have.
-    pub names: &'static [&'static str],
+    /// Its name in tables for programs, with the unit at its end.
+    pub name: &'static str,
     /// Name for people; empty where only programs read it.
     pub label: &'static str,
     /// Unit; empty for shares.
@@ -62,9 +62,9 @@ impl Metric {
         Self { label, ..self }
     }
 
-    fn cell(&self, (run, trace): Traced<'_>) -> Option<Cell> {
+    fn cell(&self, (row, trace): Traced<'_>) -> Option<Cell> {
         match self.source {
-            Source::Structure(of) => of(run),
+            Source::Structure(of) => of(row),
             Source::Trace(of) => of(trace),
         }
     }
@@ -83,7 +83,7 @@ impl Metric {
     }
 
     /// As a column of structures.
-    pub(crate) fn of_structure<'a, R>(self, of: impl Fn(&R) -> Option<&TracerRun> + 'a) -> Column<'a, R> {
+    pub(crate) fn of_structure<'a, R>(self, of: impl Fn(&R) -> Option<&Row> + 'a) -> Column<'a, R> {
         self.shown(move |row| match self.source {
             Source::Structure(cell) => cell(of(row)?),
             Source::Trace(_) => None,
@@ -100,14 +100,7 @@ impl Metric {
 
     /// As a column of whatever tells it.
     pub(crate) fn shown<'a, R>(&self, cell: impl Fn(&R) -> Option<Cell> + 'a) -> Column<'a, R> {
-        Column::new(self.names[0], cell).headed(self.heading())
-    }
-}
-
-impl<R> Column<'_, R> {
-    /// With what else the cells of a figure have.
-    pub(super) fn whole(self, metric: Metric) -> Self {
-        self.beside(&metric.names[1..])
+        Column::csv(self.name, cell).headed(self.heading())
     }
 }
 
@@ -122,28 +115,33 @@ pub(crate) fn headed(name: &str, better: Better) -> String {
 }
 
 const fn metric(
-    names: &'static [&'static str],
+    name: &'static str,
     label: &'static str,
     unit: &'static str,
     better: Better,
     cell: fn(&TraceRecord) -> Option<Cell>,
 ) -> Metric {
-    Metric { names, label, unit, better, source: Source::Trace(cell) }
+    Metric { name, label, unit, better, source: Source::Trace(cell) }
 }
 
 const fn structure(
-    names: &'static [&'static str],
+    name: &'static str,
     label: &'static str,
     unit: &'static str,
     better: Better,
-    cell: fn(&TracerRun) -> Option<Cell>,
+    cell: fn(&Row) -> Option<Cell>,
 ) -> Metric {
-    Metric { names, label, unit, better, source: Source::Structure(cell) }
+    Metric { name, label, unit, better, source: Source::Structure(cell) }
 }
 
 /// One that only programs read.
-const fn plain(names: &'static [&'static str], cell: fn(&TraceRecord) -> Option<Cell>) -> Metric {
-    metric(names, "", "", Better::Neither, cell)
+const fn plain(name: &'static str, cell: fn(&TraceRecord) -> Option<Cell>) -> Metric {
+    metric(name, "", "", Better::Neither, cell)
+}
+
+/// The same of structures.
+const fn structure_alone(name: &'static str, cell: fn(&Row) -> Option<Cell>) -> Metric {
+    structure(name, "", "", Better::Neither, cell)
 }
 
 /// What tells how often answers to a query are right, always together.
@@ -225,7 +223,7 @@ pub(super) fn with_ambiguous<'a>(mut traces: impl Iterator<Item = &'a TraceRecor
 /// What pages say of ambiguous rays.
 pub(super) fn of_ambiguous<'a>(mut judged: impl Iterator<Item = &'a Judgement>) -> &'static str {
     if judged.any(Judgement::has_ambiguous) {
-        "Ambiguous rays (ties), whose truth depends on rounding, have several right answers; those of any-hit sets, where both are right, \
+        "Ambiguous rays, whose truth depends on rounding, have several right answers; those of any-hit sets, where both are right, \
          are left out of every share."
     } else {
         "Ties, rays whose truth hangs on rounding, are left out of every share."
@@ -238,8 +236,8 @@ pub(crate) fn trials(trace: &TraceRecord) -> u64 {
 }
 
 /// Bytes of the structure that are used.
-pub(super) fn used_bytes(run: &TracerRun) -> u64 {
-    run.memory.structure.iter().map(|part| part.used_bytes).sum()
+pub(super) fn used_bytes(row: &Row) -> u64 {
+    row.memory.structure.iter().map(|part| part.used_bytes).sum()
 }
 
 /// Million rays a second, where something was timed.
@@ -256,8 +254,22 @@ pub(super) fn speed_interval(trace: &TraceRecord) -> Option<[f64; 2]> {
     whole.then_some(interval)
 }
 
+/// Bytes of the structure a triangle: allocated, and used of them.
+pub(super) fn per_triangle(row: &Row) -> [f64; 2] {
+    [row.memory.structure_bytes, used_bytes(row)].map(|bytes| bytes as f64 / row.scene.triangles.max(1) as f64)
+}
+
+/// Wrong rays under `tight`. Ambiguous rays of closest hits are among them where they are wrong; of any hit they are in no class, since
+/// either answer is right.
+pub(crate) fn wrong_tight(judgement: &Judgement) -> u64 {
+    match judgement {
+        Judgement::Closest(closest) => closest.classes.tight.wrong(),
+        Judgement::Any(any) => any.occlusion.false_occluded + any.occlusion.false_free,
+    }
+}
+
 fn timed<T>(trace: &TraceRecord, value: T) -> Option<T> {
-    (!trace.times.samples_ms.is_empty() && trace.times.void.is_none()).then_some(value)
+    (!trace.times.samples_ms.is_empty() && trace.times.invalid.is_none()).then_some(value)
 }
 
 /// Answers of the wrong kind, hits for misses and misses for hits.

@@ -10,7 +10,6 @@ mod compare;
 mod distances;
 pub(crate) mod document;
 mod error;
-pub mod exact;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -18,8 +17,8 @@ pub(crate) mod format;
 pub(crate) mod group;
 mod html;
 pub(crate) mod kept;
+mod launch;
 pub(crate) mod markdown;
-mod means;
 pub(crate) mod metrics;
 mod need;
 mod pareto;
@@ -49,7 +48,7 @@ pub use chart::without_images;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::EXPLAIN_PAGE;
-pub use html::{Claims, MOST_BYTES, Makers, Page, page as html_page, quoted};
+pub use html::{Claims, MAX_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
@@ -58,11 +57,12 @@ pub use terminal::run_table;
 pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
-use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
-use chart::Charts;
+use crate::results::{FrontScene, PICTURES_FOLDER, Record, SCHEMA};
 use document::Document;
+use group::Group;
 use kept::Kept;
-use sheet::Table;
+use sheet::{Sheet, Table};
+use tables::Placed;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -73,34 +73,28 @@ const PACKED: &str = "run.json.gz";
 /// The page of a run in full.
 const SUMMARY: &str = "summary.md";
 
-/// What is made of a record, each part with its name.
+/// What is made of a record, each part with its name; charts have theirs in documents.
 #[derive(Debug, Default)]
 pub struct Report {
     /// Documents.
     pub(crate) pages: Vec<(String, Document)>,
     /// Tables for other programs.
     pub(crate) tables: Vec<(String, Table)>,
-    /// Charts, without the ends of their files.
-    pub(crate) charts: Charts,
     /// Other files.
     pub(crate) data: Contents,
 }
 
 impl Report {
-    /// A page and a table of one name.
-    pub(crate) fn of_table(stem: &str, page: Document, table: Table) -> Self {
-        Self {
-            pages: vec![(format!("{stem}.md"), page)],
-            tables: vec![(format!("{stem}.csv"), table)],
-            ..Self::default()
-        }
+    /// A page.
+    pub(crate) fn of_page(name: impl Into<String>, page: Document) -> Self {
+        Self { pages: vec![(name.into(), page)], ..Self::default() }
     }
 
-    /// With what another has.
+    /// With what another has, of which tables take the place of those of the same name.
     pub(crate) fn and(mut self, other: Self) -> Self {
+        self.tables.retain(|(name, _)| other.tables.iter().all(|(own, _)| own != name));
         self.pages.extend(other.pages);
         self.tables.extend(other.tables);
-        self.charts.extend(other.charts);
         self.data.extend(other.data);
         self
     }
@@ -114,15 +108,15 @@ impl Report {
         let tables = self.tables.iter().map(|(name, table)| Ok((name.clone(), table.csv(name)?)));
         let mut contents = pages.chain(tables).collect::<Result<Contents, ReportError>>()?;
         contents.extend(self.data.iter().cloned());
-        contents.extend(chart::files(&self.charts)?);
+        contents.extend(chart::files(self.pages.iter().flat_map(|(_, page)| page.charts()))?);
         Ok(contents)
     }
 }
 
 /// Makes the table that a run was made for; nothing of one that was made for none. Tables know reports, reports know no table.
-pub type Tables = fn(&Run) -> Result<Report, ReportError>;
+pub type Tables = fn(&Record) -> Result<Report, ReportError>;
 
-/// Where pages of records stand in a page of several.
+/// Where pages of records are in a page of several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Section {
     /// Fronts, which have sections of their own.
@@ -148,24 +142,24 @@ pub(crate) struct Study {
     /// What the names of its charts begin with.
     stems: &'static [&'static str],
     /// Whether a record is of it.
-    is_of: fn(&Run) -> bool,
+    is_of: fn(&Record) -> bool,
     /// What is made of such a record.
     report: Maker,
 }
 
 /// Makes what derives from a record.
-type Maker = fn(&Run, Tables) -> Result<Report, ReportError>;
+type Maker = fn(&Record, Tables) -> Result<Report, ReportError>;
 
 /// Every study, a line each. The first that a record is of makes what derives from it.
 const STUDIES: &[Study] = &[
-    study("sweep", Section::Study, &[tune::STEM], |run| run.tuning.is_some(), tune::report),
-    study("table", Section::Table, &[], |run| run.updates.is_some(), |run, _| of_updates(run)),
-    study("stability", Section::Matrix, &[], |run| run.cases.is_some(), stability::report),
-    study("pareto", Section::Fronts, &[pareto::STEM], |run| run.pareto.is_some(), pareto::report),
-    study("need", Section::Need, &[need::STEM], |run| run.need.is_some(), need::report),
-    study("explain", Section::Study, &[], |run| run.explanation.is_some(), explain::report),
-    study("sweep", Section::Study, &chart::STEMS, |run| run.sweep.is_some(), of_run),
-    study("table", Section::Table, &chart::STEMS, |run| run.table.is_some(), of_run),
+    study("sweep", Section::Study, &[tune::STEM], |record| record.tuning.is_some(), tune::report),
+    study("table", Section::Table, &[], |record| record.updates.is_some(), |record, _| of_updates(record)),
+    study("stability", Section::Matrix, &[], |record| record.cases.is_some(), stability::report),
+    study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), pareto::report),
+    study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), need::report),
+    study("explain", Section::Study, &[], |record| record.explanation.is_some(), explain::report),
+    study("sweep", Section::Study, &chart::STEMS, |record| record.sweep.is_some(), of_run),
+    study("table", Section::Table, &chart::STEMS, |record| record.table.is_some(), of_run),
     study("run", Section::Run, &chart::STEMS, |_| true, of_run),
 ];
 
@@ -173,7 +167,7 @@ const fn study(
     verb: &'static str,
     section: Section,
     stems: &'static [&'static str],
-    is_of: fn(&Run) -> bool,
+    is_of: fn(&Record) -> bool,
     report: Maker,
 ) -> Study {
     Study { verb, section, stems, is_of, report }
@@ -181,13 +175,13 @@ const fn study(
 
 impl Study {
     /// The study of a record.
-    pub(crate) fn of(run: &Run) -> &'static Self {
-        STUDIES.iter().find(|study| (study.is_of)(run)).unwrap_or(&STUDIES[STUDIES.len() - 1])
+    pub(crate) fn of(record: &Record) -> &'static Self {
+        STUDIES.iter().find(|study| (study.is_of)(record)).unwrap_or(&STUDIES[STUDIES.len() - 1])
     }
 
     /// What derives from its record.
-    pub(crate) fn report(&self, run: &Run, tables: Tables) -> Result<Report, ReportError> {
-        (self.report)(run, tables)
+    pub(crate) fn report(&self, record: &Record, tables: Tables) -> Result<Report, ReportError> {
+        (self.report)(record, tables)
     }
 }
 
@@ -195,29 +189,30 @@ impl Study {
 pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// What the names of derived files begin with, up to a dot or an underscore.
-const BEGINNINGS: &str = "agreement_over_tolerance break_even claims error_vs explain figure need operating_points pareto stability \
-                          summary sweep table traces tune verdicts wrong_rays";
+const BEGINNINGS: &str = "agreement_over_tolerance break_even claims error_vs explain figure need operating_points pareto rows stability \
+                          summary sweep table tune verdicts wrong_rays";
 
 /// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
 pub fn may_be_written(name: &str) -> bool {
     let begins = |begin: &str| name.strip_prefix(begin).is_some_and(|rest: &str| rest.starts_with(['.', '_']));
     let ends = [".md", ".csv", ".json", ".svg", ".png"].iter().any(|end| name.ends_with(end));
-    ends && BEGINNINGS.split_whitespace().any(begins) || [RUN_FILE, PACKED, PICTURES_FOLDER, "races"].contains(&name)
+    ends && BEGINNINGS.split_whitespace().any(begins)
+        || [RUN_FILE, PACKED, PICTURES_FOLDER, "interleaved_sets"].contains(&name)
 }
 
 /// Writes `run.json`, then what is derived from it; gives the paths in that order.
 ///
 /// # Errors
 /// If a file cannot be written, or a chart cannot be drawn.
-pub fn write_run(run: &Run, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+pub fn write_run(record: &Record, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
     // First, so that a failure in a chart costs the chart and not the measurements.
-    let mut paths = vec![folder.write(RUN_FILE, &files::json(RUN_FILE, run)?)?];
+    let mut paths = vec![folder.write(RUN_FILE, &files::json(RUN_FILE, record)?)?];
     // An older record, compressed, would pass for this one's.
     folder.remove(PACKED);
-    let kept: BTreeSet<String> = picture_files(run).map(|name| format!("{PICTURES_FOLDER}/{name}")).collect();
+    let kept: BTreeSet<String> = picture_files(record).map(|name| format!("{PICTURES_FOLDER}/{name}")).collect();
     let pictures = folder.listed().into_iter().filter(|name| name.starts_with(PICTURES_FOLDER));
     pictures.filter(|name| !kept.contains(name)).for_each(|name| folder.remove(&name));
-    paths.extend(write_derived(run, folder, tables)?);
+    paths.extend(write_derived(record, folder, tables)?);
     Ok(paths)
 }
 
@@ -225,9 +220,9 @@ pub fn write_run(run: &Run, folder: &OutputFolder, tables: Tables) -> Result<Vec
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn take_pictures(run: &Run, from: &[PathBuf], folder: &OutputFolder) -> Result<(), ReportError> {
-    for name in picture_files(run) {
-        let found = from.iter().find_map(|record| match kept::picture(record, name) {
+pub fn take_pictures(record: &Record, from: &[PathBuf], folder: &OutputFolder) -> Result<(), ReportError> {
+    for name in picture_files(record) {
+        let found = from.iter().find_map(|path| match kept::picture(path, name) {
             Kept::Picture(bytes) => Some(bytes),
             _ => None,
         });
@@ -239,18 +234,18 @@ pub fn take_pictures(run: &Run, from: &[PathBuf], folder: &OutputFolder) -> Resu
 }
 
 /// The pictures that a record names.
-fn picture_files(run: &Run) -> impl Iterator<Item = &str> {
-    run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files)
+fn picture_files(record: &Record) -> impl Iterator<Item = &str> {
+    record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files)
 }
 
 /// Writes what is derived from a record and gives the paths: the pages, tables and charts of what was asked.
 ///
 /// # Errors
 /// If a file cannot be written, or a chart cannot be drawn.
-pub fn write_derived(run: &Run, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    let run = &*run.aligned();
-    let study = Study::of(run);
-    let contents = study.report(run, tables)?.contents()?;
+pub fn write_derived(record: &Record, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+    let record = &*record.aligned();
+    let study = Study::of(record);
+    let contents = study.report(record, tables)?.contents()?;
     let paths = write_all(&contents, folder)?;
     // Charts of scenes that only an older run in the same folder had would pass for this one's.
     for name in folder.listed().iter().filter(|name| contents.iter().all(|(written, _)| written != *name)) {
@@ -266,9 +261,9 @@ pub fn write_derived(run: &Run, folder: &OutputFolder, tables: Tables) -> Result
 ///
 /// # Errors
 /// If a chart cannot be drawn.
-pub fn contents(run: &Run, tables: Tables) -> Result<Contents, ReportError> {
-    let run = &*run.aligned();
-    Study::of(run).report(run, tables)?.contents()
+pub fn contents(record: &Record, tables: Tables) -> Result<Contents, ReportError> {
+    let record = &*record.aligned();
+    Study::of(record).report(record, tables)?.contents()
 }
 
 /// Writes files into a folder, and gives their paths.
@@ -276,40 +271,42 @@ pub(crate) fn write_all(contents: &Contents, folder: &OutputFolder) -> Result<Ve
     Ok(folder.write_all(contents.iter().map(|(name, contents)| (name.as_str(), contents.as_slice())))?)
 }
 
-/// Every trace, and every wrong ray that was kept.
-fn traces(run: &Run) -> Report {
-    let groups = group::groups(run);
+/// Every row with what a study tells of it, and every wrong ray that was kept.
+fn rows<'a, R: 'a>(
+    record: &'a Record,
+    groups: &'a [Group<'a>],
+    own: Sheet<'a, R>,
+    of: impl Fn(&Placed<'a>) -> Option<R>,
+) -> Report {
     let tables = vec![
-        ("traces.csv".to_owned(), tables::traces(run, &groups)),
-        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)),
+        ("rows.csv".to_owned(), tables::rows(record, groups, own, of)),
+        ("wrong_rays.csv".to_owned(), tables::wrong_rays(groups)),
     ];
     Report { tables, ..Report::default() }
 }
 
 /// What is made of a plain run: summary, traces and charts; of one that was made for a table or a sweep that, too.
-fn of_run(run: &Run, of_table: Tables) -> Result<Report, ReportError> {
-    let labelled = sweep::labelled(run);
-    let shown = group::groups(&labelled);
+fn of_run(record: &Record, of_table: Tables) -> Result<Report, ReportError> {
+    let labelled = sweep::labelled(record);
+    let (groups, shown) = (group::groups(record), group::groups(&labelled));
     let summary = Report {
         pages: vec![(SUMMARY.to_owned(), summary::summary(&labelled, &shown))],
-        charts: chart::charts(&labelled, &shown),
-        ..traces(run)
+        ..rows(record, &groups, Sheet::new(), |_| None::<()>)
     };
-    let groups = group::groups(run);
-    let sweep = run.sweep.as_ref().map(|record| sweep::report(run, record, &groups)).unwrap_or_default();
-    Ok(summary.and(of_table(run)?).and(sweep))
+    let sweep = record.sweep.as_ref().map(|section| sweep::report(record, section, &groups)).unwrap_or_default();
+    Ok(summary.and(of_table(record)?).and(sweep))
 }
 
 /// The table of a record that follows animations.
 ///
 /// # Errors
 /// If the record follows none.
-pub(crate) fn of_updates(run: &Run) -> Result<Report, ReportError> {
-    let none = || ReportError::Made {
+pub(crate) fn of_updates(record: &Record) -> Result<Report, ReportError> {
+    let none = || ReportError::NotMade {
         what: "a table over animations".to_owned(),
-        reason: "the run follows no animation".to_owned(),
+        reason: "the record follows no animation".to_owned(),
     };
-    Ok(updates::report(run, run.updates.as_ref().ok_or_else(none)?))
+    Ok(updates::report(record, record.updates.as_ref().ok_or_else(none)?))
 }
 
 /// Where the table of a folder stands.
@@ -318,13 +315,13 @@ pub fn table_page(name: &str, directory: &Path) -> PathBuf {
 }
 
 /// The most bytes of a record's JSON that are read, packed or not: fifteen times those of the largest record that is known.
-pub const MOST_RECORD_BYTES: u64 = 512 << 20;
+pub const MAX_RECORD_BYTES: u64 = 512 << 20;
 
 /// Reads a record back from its folder or from the file itself, plain or compressed by gzip.
 ///
 /// # Errors
 /// If there is no such file, it is not a whole JSON document, it follows another schema, or it can be of no run.
-pub fn read_run(path: &Path) -> Result<Run, ReportError> {
+pub fn read_run(path: &Path) -> Result<Record, ReportError> {
     let (file, path) = (RUN_FILE, record_file(path));
     let text = unpacked(&path)?;
     // Before everything else is looked at: a file of another schema lacks fields, and that would be said instead.
@@ -335,7 +332,7 @@ pub fn read_run(path: &Path) -> Result<Run, ReportError> {
         Err(source) if !source.is_data() => return Err(ReportError::NotJson { path, file, source }),
         _ => return Err(ReportError::NoSchema { path, file }),
     }
-    Run::read(&text).map_err(|reason| ReportError::Unmeasured { path, reason })
+    Record::read(&text).map_err(|reason| ReportError::Unmeasured { path, reason })
 }
 
 /// What is read of a record first.
@@ -344,7 +341,7 @@ struct Head {
     schema: Option<serde_json::Value>,
 }
 
-/// The bytes of a file, unpacked where it is compressed, of which there may be no more than [`MOST_RECORD_BYTES`].
+/// The bytes of a file, unpacked where it is compressed, of which there may be no more than [`MAX_RECORD_BYTES`].
 fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let fail = |source: std::io::Error| match source.kind() {
         ErrorKind::NotFound => ReportError::Missing { path: path.to_owned(), file: RUN_FILE },
@@ -353,13 +350,13 @@ fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let mut file = BufReader::new(fs::File::open(path).map_err(fail)?);
     let mut bytes = Vec::new();
     if file.fill_buf().map_err(fail)?.starts_with(&GZIP) {
-        let unpacked = MultiGzDecoder::new(file).take(MOST_RECORD_BYTES + 1).read_to_end(&mut bytes);
+        let unpacked = MultiGzDecoder::new(file).take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes);
         unpacked.map_err(|source| ReportError::Packed { path: path.to_owned(), source })?;
     } else {
-        file.take(MOST_RECORD_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
+        file.take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
     }
-    if bytes.len() as u64 > MOST_RECORD_BYTES {
-        return Err(ReportError::TooLarge { path: path.to_owned(), most_bytes: MOST_RECORD_BYTES });
+    if bytes.len() as u64 > MAX_RECORD_BYTES {
+        return Err(ReportError::TooLarge { path: path.to_owned(), max_bytes: MAX_RECORD_BYTES });
     }
     Ok(bytes)
 }

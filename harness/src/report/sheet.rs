@@ -1,6 +1,6 @@
 //! Tables as data: a column has its names, its heading and its value in one place, and every format has one writer.
 
-use std::collections::BTreeSet;
+use itertools::Itertools as _;
 
 use super::ReportError;
 use super::format::{NONE, optional, percent, percent_with_interval, significant, statistic, thousands, with_interval};
@@ -91,30 +91,33 @@ impl Cell {
         }
     }
 
-    /// As programs read it: itself, then what else it has: the ends of its interval, the other percentiles.
-    fn fields(&self) -> [String; 3] {
-        let one = |text: String| [text, String::new(), String::new()];
-        let ends = |value: Option<f64>, interval: &Option<[f64; 2]>| {
-            [value, interval.map(|[low, _]| low), interval.map(|[_, high]| high)].map(number)
+    /// As programs read it: its parts, each with what it adds to its column's name. A number has the ends of its interval, too.
+    fn fields(&self) -> Vec<(&'static str, String)> {
+        let one = |text: String| vec![("", text)];
+        let three =
+            |ends: [&'static str; 3], values: [Option<f64>; 3]| ends.into_iter().zip(values.map(number)).collect();
+        let measured = |value: Option<f64>, interval: Option<[f64; 2]>| match interval {
+            Some([low, high]) => three(["", "_low", "_high"], [value, Some(low), Some(high)]),
+            None => one(number(value)),
         };
         match self {
-            Self::None | Self::Absent => one(String::new()),
+            Self::None | Self::Absent => Vec::new(),
             Self::Text(text) | Self::Name(text) => one(text.clone()),
-            Self::Parts(_) => one(self.told()),
+            Self::Parts(_) => one(self.describe()),
             Self::Named(code, _) => one((*code).to_owned()),
             Self::Flag(flag) => one(flag.to_string()),
             Self::Count(count) => one(count.to_string()),
             Self::Bytes(value) | Self::Statistic(value) | Self::Number(value, _) => one(number(Some(*value))),
-            Self::Measured(value, interval, _) | Self::Share(value, interval, _) => ends(Some(*value), interval),
-            Self::Percent(value, interval) => ends(Some(*value), &Some(*interval)),
-            Self::Accuracy(accuracy) => ends(accuracy.share, &accuracy.interval),
-            Self::Percentiles(Percentiles { p50, p95, p99 }) => [*p50, *p95, *p99].map(number),
-            Self::Shares(shares, _) => shares.map(number),
+            Self::Measured(value, interval, _) | Self::Share(value, interval, _) => measured(Some(*value), *interval),
+            Self::Percent(value, interval) => measured(Some(*value), Some(*interval)),
+            Self::Accuracy(accuracy) => measured(accuracy.share, accuracy.interval),
+            Self::Percentiles(Percentiles { p50, p95, p99 }) => three(["_p50", "_p95", "_p99"], [*p50, *p95, *p99]),
+            Self::Shares(shares, _) => three(["_hit_miss", "_tight", "_footprint"], *shares),
         }
     }
 
     /// As people read it.
-    pub(crate) fn told(&self) -> String {
+    pub(crate) fn describe(&self) -> String {
         match self {
             Self::None | Self::Absent => NONE.to_owned(),
             Self::Text(text) | Self::Name(text) | Self::Named(_, text) => text.clone(),
@@ -130,7 +133,7 @@ impl Cell {
                 format!("{why}; {} wrong of {}", thousands(*wrong), thousands(*trials))
             }
             Self::Accuracy(Accuracy { share, interval, wrong, trials, .. }) => share.map_or_else(
-                || "every ray is a tie".to_owned(),
+                || "every ray is ambiguous".to_owned(),
                 |share| {
                     let share = percent_with_interval(share, *interval, *trials);
                     format!("{share}; {} wrong of {}", thousands(*wrong), thousands(*trials))
@@ -224,8 +227,8 @@ impl<C: Into<Cell>> From<Option<C>> for Cell {
 
 /// A column over rows of a kind.
 pub(crate) struct Column<'a, R> {
-    /// Names in tables for programs, with the unit at their ends: its own, and of what else its cells have.
-    names: Vec<String>,
+    /// Its name in tables for programs, with the unit at its end.
+    name: Option<String>,
     /// What it is called on pages.
     heading: Option<String>,
     cell: Box<dyn Fn(&R) -> Cell + 'a>,
@@ -233,13 +236,13 @@ pub(crate) struct Column<'a, R> {
 
 impl<'a, R> Column<'a, R> {
     /// A column for programs.
-    pub(crate) fn new<C: Into<Cell>>(name: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
-        Self { names: vec![name.into()], heading: None, cell: Box::new(move |row| cell(row).into()) }
+    pub(crate) fn csv<C: Into<Cell>>(name: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
+        Self { name: Some(name.into()), heading: None, cell: Box::new(move |row| cell(row).into()) }
     }
 
     /// A column for people.
-    pub(crate) fn told<C: Into<Cell>>(heading: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
-        Self { names: Vec::new(), heading: Some(heading.into()), cell: Box::new(move |row| cell(row).into()) }
+    pub(crate) fn new<C: Into<Cell>>(heading: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
+        Self { name: None, heading: Some(heading.into()), cell: Box::new(move |row| cell(row).into()) }
     }
 
     /// For people too.
@@ -247,10 +250,13 @@ impl<'a, R> Column<'a, R> {
         Self { heading: Some(heading.into()), ..self }
     }
 
-    /// With names for what else its cells have.
-    pub(crate) fn beside(mut self, names: &[&str]) -> Self {
-        self.names.extend(names.iter().map(|name| (*name).to_owned()));
-        self
+    /// The same over rows some of which have such a row.
+    fn of<S: 'a>(self, row: impl Fn(&S) -> Option<&R> + 'a) -> Column<'a, S>
+    where
+        R: 'a,
+    {
+        let Self { name, heading, cell } = self;
+        Column { name, heading, cell: Box::new(move |of| row(of).map_or(Cell::None, &cell)) }
     }
 }
 
@@ -286,29 +292,32 @@ impl<'a, R> Sheet<'a, R> {
     }
 
     /// With a column for programs.
-    pub(crate) fn column<C: Into<Cell>>(self, name: &str, cell: impl Fn(&R) -> C + 'a) -> Self {
-        self.and(Column::new(name, cell))
+    pub(crate) fn csv_column<C: Into<Cell>>(self, name: &str, cell: impl Fn(&R) -> C + 'a) -> Self {
+        self.and(Column::csv(name, cell))
     }
 
-    /// With a column for programs of numbers with the ends of their intervals.
-    pub(crate) fn ends<C: Into<Cell>>(self, names: [&str; 3], cell: impl Fn(&R) -> C + 'a) -> Self {
-        self.and(Column::new(names[0], cell).beside(&names[1..]))
+    /// With what another tells of those of its rows that some of these have.
+    pub(crate) fn columns_of<S: 'a>(self, other: Sheet<'a, S>, row: impl Fn(&R) -> Option<&S> + Copy + 'a) -> Self
+    where
+        R: 'a,
+    {
+        self.with(other.columns.into_iter().map(|column| column.of(row)).collect())
     }
 
     /// With a column for people.
-    pub(crate) fn told<C: Into<Cell>>(self, heading: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
-        self.and(Column::told(heading, cell))
+    pub(crate) fn column<C: Into<Cell>>(self, heading: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
+        self.and(Column::new(heading, cell))
     }
 
     /// The table over some rows, without the columns that none of them can have.
     pub(crate) fn table(&self, rows: &[R]) -> Table {
         let mut columns = Vec::new();
         let mut cells: Vec<Vec<Cell>> = rows.iter().map(|_| Vec::new()).collect();
-        for Column { names, heading, cell } in &self.columns {
+        for Column { name, heading, cell } in &self.columns {
             let own: Vec<Cell> = rows.iter().map(cell).collect();
             let is_there = own.iter().any(|cell| !matches!(cell, Cell::None | Cell::Absent));
             if is_there || !own.contains(&Cell::Absent) {
-                columns.push((names.clone(), heading.clone()));
+                columns.push((name.clone(), heading.clone()));
                 cells.iter_mut().zip(own).for_each(|(row, cell)| row.push(cell));
             }
         }
@@ -319,8 +328,8 @@ impl<'a, R> Sheet<'a, R> {
 /// A table as data.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Table {
-    /// Of each column its names for programs, and what it is called on pages.
-    columns: Vec<(Vec<String>, Option<String>)>,
+    /// Of each column its name for programs, and what it is called on pages.
+    columns: Vec<(Option<String>, Option<String>)>,
     rows: Vec<Vec<Cell>>,
 }
 
@@ -347,18 +356,28 @@ impl Table {
     /// # Errors
     /// If two columns have the same name.
     pub(crate) fn csv(&self, file: &str) -> Result<Vec<u8>, ReportError> {
-        let fail = |reason: String| ReportError::Made { what: file.to_owned(), reason };
-        let header: Vec<&String> = self.columns.iter().flat_map(|(names, _)| names).collect();
-        let mut known = BTreeSet::new();
-        if let Some(twice) = header.iter().find(|name| !known.insert(**name)) {
+        let fail = |reason: String| ReportError::NotMade { what: file.to_owned(), reason };
+        // A column has the parts of the cell that has most of them.
+        let named = self.columns.iter().enumerate().filter_map(|(place, (name, _))| Some((place, name.as_ref()?)));
+        let ends = |place: usize| -> Vec<&str> {
+            let most =
+                self.rows.iter().map(|row| row[place].fields()).max_by_key(Vec::len).filter(|all| !all.is_empty());
+            most.map_or_else(|| vec![""], |all| all.into_iter().map(|(end, _)| end).collect())
+        };
+        let shown: Vec<(usize, &String, Vec<&str>)> = named.map(|(place, name)| (place, name, ends(place))).collect();
+        let header = || shown.iter().flat_map(|(_, name, ends)| ends.iter().map(move |end| format!("{name}{end}")));
+        if let Some(twice) = header().duplicates().next() {
             return Err(fail(format!("two columns are called {twice}")));
         }
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(header).map_err(|error| fail(error.to_string()))?;
+        writer.write_record(header()).map_err(|error| fail(error.to_string()))?;
         for row in &self.rows {
-            let shown = row.iter().zip(&self.columns).filter(|(_, (names, _))| !names.is_empty());
-            let fields = shown.flat_map(|(cell, (names, _))| cell.fields().into_iter().take(names.len()));
-            writer.write_record(fields.collect::<Vec<_>>()).map_err(|error| fail(error.to_string()))?;
+            let part =
+                |cell: &Cell, end: &str| cell.fields().into_iter().find(|(own, _)| *own == end).map(|(_, text)| text);
+            let fields = shown.iter().flat_map(|(place, _, ends)| ends.iter().map(|end| part(&row[*place], end)));
+            writer
+                .write_record(fields.map(Option::unwrap_or_default).collect::<Vec<_>>())
+                .map_err(|error| fail(error.to_string()))?;
         }
         writer.into_inner().map_err(|error| fail(error.to_string()))
     }
@@ -370,7 +389,7 @@ impl Table {
         };
         let told = |cell: &Cell| match cell {
             Cell::Name(name) => literal(name),
-            other => inline(&other.told()),
+            other => inline(&other.describe()),
         };
         let mut text = line(&mut self.headings().map(inline));
         text += &format!("|{}\n", " --- |".repeat(self.headings().count()));
@@ -392,29 +411,30 @@ fn number(value: Option<f64>) -> String {
 mod tests {
     use super::*;
 
-    /// A column stands in every format under the name that it has there, its value written as that format's readers want it; what has no
+    /// A column is in every format under the name that it has there, its value written as that format's readers want it; what has no
     /// name in a format is left out of it, and two columns of one name are refused.
     #[test]
     fn a_column_stands_in_every_format() {
         let rows = [Some(0.5), None];
         let share = |row: &Option<f64>| row.map(|share| Cell::Share(share, Some([0.25, 0.75]), 100));
         let sheet = Sheet::new()
-            .and(Column::new("share", share).beside(&["share_low", "share_high"]).headed("share ↑"))
-            .column("bytes", |row| row.map(|_| Cell::Bytes(f64::from(3 << 20))))
-            .told("is | there", Option::is_some);
+            .and(Column::csv("share", share).headed("share ↑"))
+            .csv_column("bytes", |row| row.map(|_| Cell::Bytes(f64::from(3 << 20))))
+            .column("is | there", Option::is_some);
         let csv = String::from_utf8(sheet.table(&rows).csv("a.csv").unwrap()).unwrap();
         assert_eq!(csv, "share,share_low,share_high,bytes\n0.5,0.25,0.75,3145728\n,,,\n");
         let markdown = "| share ↑ | is \\| there |\n| --- | --- |\n| 50.00 % [25.000, 75.000] | yes |\n| – | no |\n";
         assert_eq!(sheet.table(&rows).markdown(), markdown);
         // What none of the rows can have is no column; one that some can have is, and one that all could have.
         let absent = |row: &Option<f64>| if row.is_some() { Cell::Absent } else { Cell::None };
-        let sheet = Sheet::new().told("is there", Option::is_some).and(Column::new("absent", absent).headed("absent"));
+        let sheet =
+            Sheet::new().column("is there", Option::is_some).and(Column::csv("absent", absent).headed("absent"));
         assert_eq!(sheet.table(&rows).markdown(), "| is there |\n| --- |\n| yes |\n| no |\n");
         let csv = |rows: &[Option<f64>]| String::from_utf8(sheet.table(rows).csv("a.csv").unwrap()).unwrap();
         assert!(sheet.table(&[None]).markdown().contains("absent") && csv(&[None]).contains("absent"));
         assert!(!csv(&rows).contains("absent"));
-        let twice = Sheet::new().column("share_low", |_| 1_u64);
-        let error = twice.column("share_low", |_| 1_u64).table(&rows).csv("a.csv").unwrap_err();
+        let twice = Sheet::new().csv_column("share_low", |_| 1_u64);
+        let error = twice.csv_column("share_low", |_| 1_u64).table(&rows).csv("a.csv").unwrap_err();
         assert!(error.to_string().contains("share_low"), "{error}");
     }
 }

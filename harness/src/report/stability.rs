@@ -8,14 +8,14 @@ use super::format;
 use super::sheet::Sheet;
 use super::{Report, ReportError, Tables};
 use crate::cases;
-use crate::results::{Provenance, Run, Strength};
+use crate::results::{DifficultyLevel, Provenance, Record};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
 /// The file with the matrix.
 pub const STABILITY_TABLE: &str = "stability.md";
 
 /// The chart, without its end.
-const CHART: &str = "error_vs_strength";
+const CHART: &str = "error_vs_difficulty";
 
 /// The matrix of cases and tracers with the reasons below it, as Markdown.
 pub fn matrix(stability: &Stability) -> String {
@@ -23,21 +23,21 @@ pub fn matrix(stability: &Stability) -> String {
 }
 
 fn document(stability: &Stability) -> Document {
-    let mut sheet = Sheet::<CaseMatrix>::new().told("case", |CaseMatrix { case, .. }| {
-        if case.void.is_some() { format!("{} (VOID)", case.name) } else { case.name.clone() }
+    let mut sheet = Sheet::<CaseMatrix>::new().column("case", |CaseMatrix { case, .. }| {
+        if case.invalid.is_some() { format!("{} (VOID)", case.name) } else { case.name.clone() }
     });
     for (place, tracer) in stability.tracers().into_iter().enumerate() {
-        sheet = sheet.told(tracer, move |of| of.cells.get(place).map(|cell| cell.text.clone()));
+        sheet = sheet.column(tracer, move |of| of.cells.get(place).map(|cell| cell.text.clone()));
     }
     let counts = if stability.counts { "" } else { "Parameters were changed: verdicts are shown but do not count." };
     let skipped = stability.skipped.iter().map(|skipped| {
         Document::of(format!("Skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all"), skipped.reason))
     });
-    let void = stability.cases.iter().filter_map(|CaseMatrix { case, .. }| {
-        Some(Document::of(format!("**{}** is void: {}", case.name, case.void.as_ref()?)))
+    let invalid = stability.cases.iter().filter_map(|CaseMatrix { case, .. }| {
+        Some(Document::of(format!("**{}** is invalid: {}", case.name, case.invalid.as_ref()?)))
     });
     let reasons = reasons(stability).into_iter().map(|reason| Document::default().item(reason));
-    Document::default().table(sheet.table(&stability.cases)).words(counts).and(skipped).and(void).and(reasons)
+    Document::default().table(sheet.table(&stability.cases)).paragraph(counts).and(skipped).and(invalid).and(reasons)
 }
 
 /// Why tracers may be wrong where they may; the same words for several cases once.
@@ -60,45 +60,44 @@ fn reasons(stability: &Stability) -> Vec<String> {
     said.into_iter().map(|(tracer, reason, cases)| format!("{tracer}, {}: {reason}.", cases.join("; "))).collect()
 }
 
-/// A knob's value: plain where that is short.
-pub(super) fn knob_value(value: f64) -> String {
+/// A difficulty parameter's value: plain where that is short.
+pub(super) fn difficulty_value(value: f64) -> String {
     let plain = value.to_string();
     if plain.len() <= 6 { plain } else { format!("{value:e}") }
 }
 
 /// What is made of a run of cases: page and chart.
-pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
-    let Some(stability) = &Stability::of(run) else { return Ok(Report::default()) };
-    Ok(Report {
-        pages: vec![(STABILITY_TABLE.to_owned(), page(stability))],
-        charts: vec![(CHART.to_owned(), Drawing::Panels(chart::strength::chart(stability)))],
-        ..Report::default()
-    })
+pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
+    let Some(stability) = &Stability::of(record) else { return Ok(Report::default()) };
+    Ok(Report::of_page(STABILITY_TABLE, page(stability)))
 }
 
 fn page(stability: &Stability) -> Document {
     let Provenance { machine, commit, dirty, started, rules_version, .. } = &stability.provenance;
     let (commit, machine) = (format::commit(commit, *dirty), machine.label());
     let head = format!("{started}, commit {commit}, rules version {rules_version}. Machine: {machine}.");
-    let head = Document::titled("Stability").words(head).chart(CHART, "Wrong rays over strength");
+    let chart = Drawing::Panels(chart::difficulty::chart(stability));
+    let head =
+        Document::titled("Stability").paragraph(head).chart(CHART, "Wrong rays over the difficulty level", chart);
     head.and(document(stability)).and(stability.cases.iter().map(section))
 }
 
 fn section(CaseMatrix { case, cells }: &CaseMatrix) -> Document {
-    let knob = cases::label(&case.knob.name, &case.knob.unit);
-    let mut sheet = Sheet::<(usize, &Strength)>::new()
-        .told(knob, |(_, at)| knob_value(at.strength))
-        .told("rays", |(_, at)| at.rays)
-        .told("hit", |(_, at)| at.true_hits)
-        .told("miss", |(_, at)| at.true_misses)
-        .told("ties", |(_, at)| at.ties)
-        .told("show the difficulty", |(_, at)| percent(at.featured));
+    let difficulty_parameter = cases::label(&case.difficulty_parameter.name, &case.difficulty_parameter.unit);
+    let mut sheet = Sheet::<(usize, &DifficultyLevel)>::new()
+        .column(difficulty_parameter, |(_, at)| difficulty_value(at.difficulty_level))
+        .column("rays", |(_, at)| at.rays)
+        .column("hit", |(_, at)| at.true_hits)
+        .column("miss", |(_, at)| at.true_misses)
+        .column("ambiguous rays", |(_, at)| at.ambiguous_rays)
+        .column("show the difficulty", |(_, at)| percent(at.featured));
     for cell in cells {
-        sheet = sheet.told(format!("{}: tight, footprint", cell.tracer), move |(place, _)| figures(cell, *place));
+        sheet = sheet.column(format!("{}: tight, footprint", cell.tracer), move |(place, _)| figures(cell, *place));
     }
-    let rows: Vec<_> = case.strengths.iter().enumerate().collect();
-    let page = Document::default().heading(2, &case.name).words(format!("{}.", case.summary)).table(sheet.table(&rows));
-    page.words(format!("The difficulty: rays that {}.", case.feature))
+    let rows: Vec<_> = case.difficulty_levels.iter().enumerate().collect();
+    let page =
+        Document::default().heading(2, &case.name).paragraph(format!("{}.", case.summary)).table(sheet.table(&rows));
+    page.paragraph(format!("The difficulty: rays that {}.", case.feature))
 }
 
 fn figures(cell: &Cell, place: usize) -> Option<String> {

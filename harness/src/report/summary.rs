@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use itertools::Itertools as _;
-use tracebench_api::{AdapterListing, Query, Rasterizer};
+use tracebench_api::{AdapterInfo, Query, Rasterizer};
 
-use super::cells::{self, Row, coverage, label, touched};
+use super::cells::{self, TableRow, coverage, label, touched};
+use super::chart::{self, Drawing};
 use super::distances;
 use super::document::Document;
 use super::format::{self, mib, significant, statistic, thousands};
@@ -19,45 +20,46 @@ use super::sheet::{Cell, Columns, Sheet, Table};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::results::{
-    Classes, CounterRecord, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped, TraceRecord,
-    TracerRun,
+    Classes, CounterRecord, InterleavedSetRecord, Judgement, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped,
+    StopReason, TraceRecord,
 };
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
 
 /// The whole summary.
-pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> Document {
-    let mut page = head(run, "tracebench: speed and accuracy of the same rays");
+pub(super) fn summary(record: &Record, groups: &[Group<'_>]) -> Document {
+    let mut page = head(record, "tracebench: speed and accuracy of the same rays");
     if groups.is_empty() {
-        page = page.words("Nothing ran.");
+        page = page.paragraph("Nothing ran.");
     }
     for group in groups {
-        page = page.and(scene(group)).and(builds(group)).and(group.ray_sets.iter().map(|set| ray_set(group, set)));
+        page =
+            page.and(scene(record, group)).and(builds(group)).and(group.ray_sets.iter().map(|set| ray_set(group, set)));
     }
-    page.and(skipped(&run.skipped))
+    page.and(skipped(&record.skipped))
 }
 
 /// What holds of the whole run, below a title.
-pub(crate) fn head(run: &Run, title: &str) -> Document {
-    let mut page = head_of(&run.provenance, &run.preset, run.seed, &verdict::controls(run), title);
-    if !run.races.is_empty() {
-        page = page.item(format!("Clock: {}", clock(run)));
+pub(crate) fn head(record: &Record, title: &str) -> Document {
+    let mut page = head_of(&record.provenance, &record.preset, record.seed, &verdict::controls(record), title);
+    if !record.interleaved_sets.is_empty() {
+        page = page.item(format!("Clock: {}", clock(record)));
     }
-    if run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
-        page = page.words(
+    if record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
+        page = page.paragraph(
             "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software adapter and say \
              little of hardware.**",
         );
     }
-    if run.runs.iter().any(|row| row.window > 0) {
-        page = page.words(format!(
-            "Not all contenders fit one window, in which they take turns. Rows with{MARK} were measured in a later one; their times \
-             are set as the first contender's of their scene, which every window has, was slower or faster there."
+    if record.rows.iter().any(|row| row.resident_batch > 0) {
+        page = page.paragraph(format!(
+            "Not all tracers fit one resident batch, in which they take turns. Rows with{MARK} were measured in a later one; their times \
+             are set as the first tracer's of their scene, which every window has, was slower or faster there."
         ));
     }
-    let judged = run.runs.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
-    page.and(notes(run)).words(format!(
+    let judged = record.rows.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
+    page.and(notes(record)).paragraph(format!(
         "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. {} Each time names its clock; \
          times of different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.",
         metrics::of_ambiguous(judged)
@@ -65,8 +67,8 @@ pub(crate) fn head(run: &Run, title: &str) -> Document {
 }
 
 /// What is to be known before any figure: what the import of a scene warns of, and rays of which shares of right answers say nothing.
-pub(super) fn notes(run: &Run) -> Document {
-    let of_row = |row: &TracerRun| {
+pub(super) fn notes(record: &Record) -> Document {
+    let of_row = |row: &Row| {
         let scene = literal(&row.scene.name);
         let warning = |text: &String| format!("Import of {scene}: {}.", literal(text.trim_end_matches('.')));
         let one_sided = |trace: &TraceRecord| {
@@ -77,32 +79,37 @@ pub(super) fn notes(run: &Run) -> Document {
         let warnings = row.scene.warnings.iter().map(warning);
         warnings.chain(row.traces.iter().filter_map(one_sided)).collect::<Vec<_>>()
     };
-    let notes = run.runs.iter().flat_map(of_row).unique();
+    let notes = record.rows.iter().flat_map(of_row).unique();
     Document::default().and(notes.map(|note| Document::default().item(note)))
 }
 
-/// How long was sampled, and which races decide nothing.
-fn clock(run: &Run) -> String {
-    let rounds = || run.races.iter().map(|race| race.orders.len());
+/// How long was sampled, and which interleaved sets decide nothing.
+fn clock(record: &Record) -> String {
+    let rounds = || record.interleaved_sets.iter().map(|interleaved_set| interleaved_set.orders.len());
     let (fewest, most) = (rounds().min(), rounds().max());
-    let name = |race: &RaceRecord| format!("{} of {}", race.work, literal(&race.scene));
-    let those = |what: &str, wanted: &dyn Fn(&RaceRecord) -> bool| {
-        let found: Vec<String> = run.races.iter().filter(|race| wanted(race)).map(name).collect();
+    let name = |interleaved_set: &InterleavedSetRecord| {
+        format!("{} of {}", interleaved_set.work, literal(&interleaved_set.scene))
+    };
+    let those = |what: &str, wanted: &dyn Fn(&InterleavedSetRecord) -> bool| {
+        let found: Vec<String> =
+            record.interleaved_sets.iter().filter(|interleaved_set| wanted(interleaved_set)).map(name).collect();
         if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), counted(&found)) }
     };
-    let times = run.runs.iter().flat_map(|row| row.traces.iter().map(|trace| &trace.times).chain([&row.build.times]));
-    let void: Vec<String> = times.filter_map(|times| times.void.clone()).collect();
-    let void = match void.len() {
+    let times =
+        record.rows.iter().flat_map(|row| row.traces.iter().map(|trace| &trace.times).chain([&row.build.times]));
+    let invalid: Vec<String> = times.filter_map(|times| times.invalid.clone()).collect();
+    let invalid = match invalid.len() {
         0 => String::new(),
-        count => format!("; **void times** of {count}: {}", counted(&void)),
+        count => format!("; **invalid times** of {count}: {}", counted(&invalid)),
     };
     let (fewest, most) = (fewest.unwrap_or(0), most.unwrap_or(0));
-    let few = if fewest < LEAST_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
+    let few = if fewest < MIN_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
     format!(
-        "{} races of {fewest} to {most} rounds{few}{}{}{void}",
-        run.races.len(),
-        those("intervals wider than wanted when the time was up", &|race| race.ended_by == EndedBy::TimeLimit),
-        those("**drift**", &|race| race.drift),
+        "{} interleaved sets of {fewest} to {most} rounds{few}{}{}{invalid}",
+        record.interleaved_sets.len(),
+        those("intervals wider than wanted when the time was up", &|interleaved_set| interleaved_set.stop_reason
+            == StopReason::TimeLimit),
+        those("**drift**", &|interleaved_set| interleaved_set.drift),
     )
 }
 
@@ -125,7 +132,7 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
     let mut items = vec![("Machine", from.machine.label())];
     if let Some(adapter) = &from.machine.adapter {
         let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
-        let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
+        let AdapterInfo { name, kind, backend, driver, driver_version, .. } = adapter;
         items.push(("Adapter", format!("{name} ({kind}, {backend}, {driver} {driver_version}), {timestamps}")));
     }
     if let Some(found) = &from.machine.rasterizer {
@@ -162,11 +169,11 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
     Document::titled(title).and(items)
 }
 
-fn scene(group: &Group<'_>) -> Document {
+fn scene(record: &Record, group: &Group<'_>) -> Document {
     let (scene, viewpoint) = (group.scene, group.viewpoint);
     let scale = scene.scale.map_or_else(String::new, |scale| format!(", scale {scale}"));
     let [x, y, z] = viewpoint.eye.map(|each| significant(f64::from(each), 4));
-    let mut page = Document::default().scene(2, scene, "").words(format!(
+    let mut page = Document::default().scene(2, scene, "").paragraph(format!(
         "Hash `{}`, diagonal {} scene units{scale}. Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from \
          the pixels of a {} image{}.",
         format::hash_prefix(&scene.sha256),
@@ -175,52 +182,56 @@ fn scene(group: &Group<'_>) -> Document {
         significant(f64::from(viewpoint.vertical_fov_degrees), 4),
         viewpoint.time_s,
         size(viewpoint.ray_image),
-        viewpoint.said_of_rays()
+        viewpoint.ray_overrides()
     ));
     if scene.zero_area_triangles_dropped + scene.duplicate_triangles_kept > 0 {
-        page = page.words(format!(
+        page = page.paragraph(format!(
             "Import: {} triangles of zero area dropped, {} duplicate triangles kept.",
             thousands(scene.zero_area_triangles_dropped),
             thousands(scene.duplicate_triangles_kept)
         ));
     }
-    let stem = &group.stem;
-    page = page.chart(format!("error_vs_speed_{stem}"), "Error against speed");
+    let [speed, tolerance] = [chart::STEMS[0], chart::STEMS[1]].map(|begin| format!("{begin}{}", group.stem));
+    if !group.ray_sets.is_empty() {
+        page = page.chart(speed, "Error against speed", Drawing::Panels(chart::speed::chart(record, group)));
+    }
     if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-        page = page.chart(format!("agreement_over_tolerance_{stem}"), "Agreement over tolerance");
+        page =
+            page.chart(tolerance, "Agreement over tolerance", Drawing::Panels(chart::tolerance::chart(record, group)));
     }
     page
 }
 
 fn builds(group: &Group<'_>) -> Document {
-    if group.contenders.is_empty() {
+    if group.configs.is_empty() {
         return Document::default();
     }
-    let mut sheet = Sheet::<&TracerRun>::new()
-        .told("tracer", |run| run.label())
-        .told("residency", |run| run.tracer.residency.clone())
-        .told("frame, faces (px)", |run| format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face))
-        .clock("clock", |run| Some(run.build.first()))
-        .builds(BUILD_TIME.label, |run| Some(run))
-        .build_phases("phases (ms)", "; ", |run| run)
-        .structure(STRUCTURE, |run| Some(run))
-        .structure(GEOMETRY, |run| Some(run))
-        .structure(BUILD_PEAK, |run| Some(run));
+    let mut sheet = Sheet::<&Row>::new()
+        .column("tracer", |row| row.label())
+        .column("residency", |row| row.tracer.residency.clone())
+        .column("frame, faces (px)", |row| format!("{}, {}", size(row.viewpoint.frame), row.viewpoint.face))
+        .clock("clock", |row| Some(row.build.first()))
+        .builds(BUILD_TIME.label, |row| Some(row))
+        .build_phases("phases (ms)", "; ", |row| row)
+        .structure(STRUCTURE, |row| Some(row))
+        .structure(GEOMETRY, |row| Some(row))
+        .structure(BUILD_PEAK, |row| Some(row));
     // Runs of before structures were asked have nothing to say here.
-    if group.contenders.iter().any(|run| !run.structure_statistics.is_empty()) {
-        sheet = sheet.told("what the structure says of itself", |run| {
-            let said = run.structure_statistics.iter().map(|(name, value)| format!("{name} {}", statistic(*value)));
+    if group.configs.iter().any(|row| !row.structure_statistics.is_empty()) {
+        sheet = sheet.column("what the structure says of itself", |row| {
+            let said = row.structure_statistics.iter().map(|(name, value)| format!("{name} {}", statistic(*value)));
             said.collect::<Vec<_>>().join("; ")
         });
     }
-    Document::default().heading(3, "Build").table(sheet.table(&group.contenders))
+    Document::default().heading(3, "Build").table(sheet.table(&group.configs))
 }
 
 fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> Document {
     let rows = group.traces(set);
-    let many_ties = rows.iter().any(|(_, _, trace)| many_ties(&trace.judgement));
-    let many_ties = if many_ties { "**More than one ray in a thousand is a tie.**" } else { "" };
-    let page = set.headed(3, surfaces::heading(&rows)).words(many_ties).words(coverage(&rows));
+    let many_ambiguous_rays = rows.iter().any(|(_, _, trace)| many_ambiguous_rays(&trace.judgement));
+    let many_ambiguous_rays =
+        if many_ambiguous_rays { "**More than one ray in a thousand is ambiguous.**" } else { "" };
+    let page = set.headed(3, surfaces::heading(&rows)).paragraph(many_ambiguous_rays).paragraph(coverage(&rows));
     let page = match set.query {
         Query::Closest => page.and(closest_tables(&rows)),
         Query::Any => page.table(any_table(&rows)),
@@ -233,21 +244,21 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> Document {
 }
 
 /// What every table of traces begins with.
-fn traced<'a>(query: Query) -> Sheet<'a, Row<'a>> {
+fn traced<'a>(query: Query) -> Sheet<'a, TableRow<'a>> {
     Sheet::new()
         .name(cells::own)
         .own_clock(cells::own)
-        .told("rays", |(.., trace)| trace.count)
+        .column("rays", |(.., trace)| trace.count)
         .taken(SPEED, cells::own)
         .taken(TRACE_TIME, cells::own)
         .right(query, cells::own)
 }
 
-fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, Row<'a>> {
-    metrics.into_iter().map(|metric| metric.of_trace(|(.., trace): &Row<'_>| Some(trace))).collect()
+fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, TableRow<'a>> {
+    metrics.into_iter().map(|metric| metric.of_trace(|(.., trace): &TableRow<'_>| Some(trace))).collect()
 }
 
-fn closest_tables(rows: &[Row<'_>]) -> Document {
+fn closest_tables(rows: &[TableRow<'_>]) -> Document {
     let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace));
     let main = traced(Query::Closest).with(metrics(beside.into_iter().chain([POSITION, IDENTITY, AMBIGUOUS])));
     let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
@@ -257,30 +268,30 @@ fn closest_tables(rows: &[Row<'_>]) -> Document {
         by_rule.push((label(*role, run), "footprint", &classes.footprint));
     }
     let classes = Sheet::<(String, &str, &Classes)>::new()
-        .told("tracer", |(label, ..)| label.clone())
-        .told("rule", |(_, rule, _)| (*rule).to_owned())
-        .told("true hit", |(.., classes)| classes.true_hit)
-        .told("true miss", |(.., classes)| classes.true_miss)
-        .told("false hit", |(.., classes)| classes.false_hit)
-        .told("false miss", |(.., classes)| classes.false_miss)
-        .told("early", |(.., classes)| classes.early)
-        .told("late", |(.., classes)| classes.late);
-    Document::default().table(main.table(rows)).words("Classes, rays:").table(classes.table(&by_rule))
+        .column("tracer", |(label, ..)| label.clone())
+        .column("rule", |(_, rule, _)| (*rule).to_owned())
+        .column("true hit", |(.., classes)| classes.true_hit)
+        .column("true miss", |(.., classes)| classes.true_miss)
+        .column("false hit", |(.., classes)| classes.false_hit)
+        .column("false miss", |(.., classes)| classes.false_miss)
+        .column("early", |(.., classes)| classes.early)
+        .column("late", |(.., classes)| classes.late);
+    Document::default().table(main.table(rows)).paragraph("Classes, rays:").table(classes.table(&by_rule))
 }
 
-fn any_table(rows: &[Row<'_>]) -> Table {
+fn any_table(rows: &[TableRow<'_>]) -> Table {
     let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
     traced(Query::Any).with(metrics(counts)).table(rows)
 }
 
 /// The rows of tracers that are no controls, each with everything of a kind that its trace tells.
-fn each<'a, T>(rows: &[Row<'a>], of: impl Fn(&Row<'a>) -> Vec<T>) -> Vec<(Row<'a>, T)> {
-    let contenders = rows.iter().filter(|(role, ..)| *role == Role::Contender);
-    contenders.flat_map(|row| of(row).into_iter().map(move |each| (*row, each))).collect()
+fn each<'a, T>(rows: &[TableRow<'a>], of: impl Fn(&TableRow<'a>) -> Vec<T>) -> Vec<(TableRow<'a>, T)> {
+    let configs = rows.iter().filter(|(role, ..)| *role == Role::Tracer);
+    configs.flat_map(|row| of(row).into_iter().map(move |each| (*row, each))).collect()
 }
 
-fn causes(rows: &[Row<'_>]) -> Table {
-    type Caused<'a> = (Row<'a>, (&'a String, u64, Vec<String>));
+fn causes(rows: &[TableRow<'_>]) -> Table {
+    type Caused<'a> = (TableRow<'a>, (&'a String, u64, Vec<String>));
     let listed = |causes: &BTreeMap<String, u64>| {
         let all: u64 = causes.values().sum();
         let mut sorted: Vec<_> = causes.iter().filter(|(_, rays)| **rays > 0).collect();
@@ -299,29 +310,29 @@ fn causes(rows: &[Row<'_>]) -> Table {
     });
     let sheet = Sheet::<Caused<'_>>::new()
         .name(|(row, _)| Some(*row))
-        .told("rule", |(_, (rule, ..))| (*rule).clone())
-        .told("wrong rays", |(_, (_, all, _))| *all)
-        .told("causes, most frequent first", |(_, (.., listed))| listed.join(", "));
+        .column("rule", |(_, (rule, ..))| (*rule).clone())
+        .column("wrong rays", |(_, (_, all, _))| *all)
+        .column("causes, most frequent first", |(_, (.., listed))| listed.join(", "));
     sheet.table(&rows)
 }
 
-fn counters(rows: &[Row<'_>]) -> Table {
-    type Counted<'a> = (Row<'a>, (&'a String, &'a CounterRecord));
-    let whole = |((_, run, _), (name, counter)): &Counted<'_>| touched(run, name, counter);
+fn counters(rows: &[TableRow<'_>]) -> Table {
+    type Counted<'a> = (TableRow<'a>, (&'a String, &'a CounterRecord));
+    let whole = |((_, row, _), (name, counter)): &Counted<'_>| touched(row, name, counter);
     let sheet = Sheet::<Counted<'_>>::new()
         .name(|(row, _)| Some(*row))
-        .told("counter", |(_, (name, _))| (*name).clone())
-        .told("mean per ray", |row| whole(row).is_none().then_some(row.1.1.per_ray))
-        .told("greatest per ray", |(_, (_, counter))| counter.greatest_per_ray)
-        .told("over the whole set", whole);
+        .column("counter", |(_, (name, _))| (*name).clone())
+        .column("mean per ray", |row| whole(row).is_none().then_some(row.1.1.per_ray))
+        .column("greatest per ray", |(_, (_, counter))| counter.max_per_ray)
+        .column("over the whole set", whole);
     let rows = each(rows, |(.., trace)| trace.counters.iter().collect());
     sheet.table(&rows)
 }
 
-fn statuses(rows: &[Row<'_>]) -> Table {
-    let sheet = Sheet::<(Row<'_>, String)>::new()
+fn statuses(rows: &[TableRow<'_>]) -> Table {
+    let sheet = Sheet::<(TableRow<'_>, String)>::new()
         .name(|(row, _)| Some(*row))
-        .told("rays by the status that the tracer gave", |(_, listed)| listed.clone());
+        .column("rays by the status that the tracer gave", |(_, listed)| listed.clone());
     let rows = each(rows, |(.., trace)| {
         let named = trace.statuses.iter().filter(|(_, rays)| **rays > 0);
         let listed: Vec<_> = named.map(|(name, rays)| format!("{name} {}", thousands(*rays))).collect();
@@ -335,18 +346,18 @@ pub(crate) fn skipped(skipped: &[Skipped]) -> Document {
     let once: Vec<Skipped> = skipped.iter().unique().cloned().collect();
     let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
     let sheet = Sheet::<Skipped>::new()
-        .told("tracer", |each| or_all(&each.tracer))
-        .told("scene", |each| Cell::Name(each.scene.clone()))
-        .told("rays", |each| or_all(&each.rays))
-        .told("reason", |each| each.reason.clone());
+        .column("tracer", |each| or_all(&each.tracer))
+        .column("scene", |each| Cell::Name(each.scene.clone()))
+        .column("rays", |each| or_all(&each.rays))
+        .column("reason", |each| each.reason.clone());
     let page = Document::default().heading(2, "Skipped");
-    if once.is_empty() { page.words("Nothing.") } else { page.table(sheet.table(&once)) }
+    if once.is_empty() { page.paragraph("Nothing.") } else { page.table(sheet.table(&once)) }
 }
 
-fn many_ties(judgement: &Judgement) -> bool {
+fn many_ambiguous_rays(judgement: &Judgement) -> bool {
     match judgement {
-        Judgement::Closest(judgement) => judgement.many_ties,
-        Judgement::Any(judgement) => judgement.many_ties,
+        Judgement::Closest(judgement) => judgement.many_ambiguous_rays,
+        Judgement::Any(judgement) => judgement.many_ambiguous_rays,
     }
 }
 

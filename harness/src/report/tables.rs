@@ -1,73 +1,117 @@
-//! The tables for other programs: `traces.csv` and `wrong_rays.csv`.
+//! The tables for other programs: `rows.csv` and `wrong_rays.csv`.
 
 use std::collections::BTreeSet;
 
-use super::cells::Row;
-use super::format::end;
-use super::group::Group;
-use super::sheet::{Column, Columns, Sheet, Table};
-use crate::results::{Judgement, Run, TraceRecord, WrongRay};
+use tracebench_api::Query;
 
-/// One row a ray set and tracer or control, with every scalar.
-pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Table {
-    let rows = all_traces(groups);
-    let sheet = Sheet::<Row<'_>>::new()
-        .column("role", |(role, ..)| role.name())
-        .scene(|(_, run, _)| &run.scene)
-        .column("viewpoint", |(_, run, _)| run.viewpoint.name.clone())
-        .all_sizes(|(_, run, _)| &run.viewpoint)
-        .column("tracer", |(_, run, _)| run.label())
-        .column("tracer_name", |(_, run, _)| run.tracer.name.clone())
-        .column("tracer_preset", |(_, run, _)| run.tracer.preset.clone())
-        .json("parameters_json", |(_, run, _)| &run.tracer.parameters)
-        .column("residency", |(_, run, _)| run.tracer.residency.clone())
-        .rays(|(.., trace)| Some(trace))
-        .query(|(.., trace)| Some(trace.query))
-        .column("end", |(.., trace)| end(trace.end))
-        .clock("clock", |(.., trace)| Some(&trace.times))
-        .clock("build_clock", |(_, run, _)| Some(run.build.first()))
-        .hits(|(.., trace)| Some(trace))
-        .whole_provenance(run)
-        .metrics(&run.runs, |(_, run, trace)| Some((run, trace)))
-        .with(of_maps(&rows));
+use super::cells::TableRow;
+use super::format::trace_to;
+use super::group::{Group, RaySet};
+use super::metrics::{METRICS, Metric, with_ambiguous};
+use super::sheet::{Cell, Column, Columns, Sheet, Table};
+use crate::results::{Judgement, Record, TraceRecord, UpdateModeRecord, WrongRay};
+
+/// A row of a record in its place.
+pub(super) type Placed<'a> = (&'a Group<'a>, &'a RaySet<'a>, TableRow<'a>);
+
+/// One row a ray set and tracer or control, with every scalar, and what a study tells of those that it is about.
+pub(super) fn rows<'a, R: 'a>(
+    record: &'a Record,
+    groups: &'a [Group<'a>],
+    own: Sheet<'a, R>,
+    of: impl Fn(&Placed<'a>) -> Option<R>,
+) -> Table {
+    type Told<'a, R> = (Placed<'a>, Option<R>);
+    let rows: Vec<Told<'a, R>> = placed(groups).map(|row| (row, of(&row))).collect();
+    let beside = with_ambiguous(record.rows.iter().flat_map(|row| &row.traces));
+    let metric = |metric| Metric::column(metric, |((.., (_, row, trace)), _): &Told<'a, R>| Some((row, trace)));
+    let update_mode = |of: fn(&UpdateModeRecord) -> Cell| {
+        move |((.., (_, row, _)), _): &Told<'a, R>| row.update_mode.as_ref().map_or(Cell::Absent, of)
+    };
+    let sheet = Sheet::<Told<'a, R>>::new()
+        .csv_column("role", |((.., (role, ..)), _)| role.name())
+        .csv_column("scene", |((group, ..), _)| group.scene.name.clone())
+        .csv_column("scene_sha256", |((group, ..), _)| group.scene.sha256.clone())
+        .csv_column("triangles", |((group, ..), _)| group.scene.triangles)
+        .csv_column("viewpoint", |((.., (_, row, _)), _)| row.viewpoint.name.clone())
+        .csv_column("animation_time_s", |((.., (_, row, _)), _)| row.viewpoint.time_s)
+        .csv_column("frame_px", |((.., (_, row, _)), _)| size(row.viewpoint.frame))
+        .csv_column("face_px", |((.., (_, row, _)), _)| row.viewpoint.face)
+        .csv_column("ray_image_px", |((.., (_, row, _)), _)| size(row.viewpoint.ray_image))
+        .csv_column("tracer", |((.., (_, row, _)), _)| row.label())
+        .csv_column("tracer_name", |((.., (_, row, _)), _)| row.tracer.name.clone())
+        .csv_column("tracer_preset", |((.., (_, row, _)), _)| row.tracer.preset.clone())
+        .json("parameters_json", |((.., (_, row, _)), _)| &row.tracer.parameters)
+        .csv_column("residency", |((.., (_, row, _)), _)| row.tracer.residency.clone())
+        .csv_column("update_mode", update_mode(|mode| mode.name.clone().into()))
+        .csv_column("frame_index", update_mode(|mode| mode.frame_index.map_or(Cell::Absent, Cell::from)))
+        .csv_column("stale_by", update_mode(|mode| mode.stale_by.join(" ").into()))
+        .csv_column("rays", |((.., (.., trace)), _)| trace.rays.clone())
+        .csv_column("rays_sha256", |((.., (.., trace)), _)| trace.rays_sha256.clone())
+        .csv_column("query", |((.., (.., trace)), _)| query(trace.query))
+        .csv_column("trace_to", |((.., (.., trace)), _)| trace_to(trace.trace_to))
+        .clock("clock", |((.., (.., trace)), _)| Some(&trace.times))
+        .clock("build_clock", |((.., (_, row, _)), _)| Some(row.build.first()))
+        .csv_column("hits_sha256", |((.., (.., trace)), _)| trace.hits_sha256.clone())
+        .csv_column("commit", |_| record.provenance.commit.clone())
+        .csv_column("dirty", |_| record.provenance.dirty)
+        .csv_column("run_preset", |_| record.preset.clone())
+        .csv_column("seed", |_| record.seed)
+        .csv_column("machine", |((.., (_, row, _)), _)| record.provenance.machine_of(row.machine).label())
+        .with(METRICS.iter().chain(&beside).copied().map(metric).collect())
+        .columns_of(own, |(_, own)| own.as_ref())
+        .columns_of(Sheet::new().with(of_maps(&rows)), |((.., row), _)| Some(row));
     sheet.table(&rows)
+}
+
+fn size([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
+fn query(query: Query) -> &'static str {
+    match query {
+        Query::Closest => "closest",
+        Query::Any => "any",
+    }
 }
 
 /// Every wrong ray that the judge kept.
 pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Table {
-    type Wrong<'a> = (Row<'a>, &'a WrongRay);
+    type Wrong<'a> = (TableRow<'a>, &'a WrongRay);
     let rows: Vec<Wrong<'_>> =
-        all_traces(groups).into_iter().flat_map(|row| wrong_rays_of(row.2).iter().map(move |ray| (row, ray))).collect();
+        placed(groups).flat_map(|(.., row)| wrong_rays_of(row.2).iter().map(move |ray| (row, ray))).collect();
     let single = |value: f32| format!("{value:?}");
     let vector = |names: [&'static str; 3], of: fn(&WrongRay) -> [f32; 3]| {
-        let part = |axis: usize| Column::new(names[axis], move |(_, ray): &Wrong<'_>| single(of(ray)[axis]));
+        let part = |axis: usize| Column::csv(names[axis], move |(_, ray): &Wrong<'_>| single(of(ray)[axis]));
         [0, 1, 2].map(part).into()
     };
     let sheet = Sheet::<Wrong<'_>>::new()
-        .column("role", |((role, ..), _)| role.name())
-        .scene_of(|((_, run, _), _)| (&run.scene.name, &run.scene.sha256))
-        .column("viewpoint", |((_, run, _), _)| run.viewpoint.name.clone())
-        .column("tracer", |((_, run, _), _)| run.label())
-        .column("rays", |((.., trace), _)| trace.rays.clone())
-        .query(|((.., trace), _)| Some(trace.query))
-        .column("ray_index", |(_, ray)| ray.index)
+        .csv_column("role", |((role, ..), _)| role.name())
+        .csv_column("scene", |((_, row, _), _)| row.scene.name.clone())
+        .csv_column("scene_sha256", |((_, row, _), _)| row.scene.sha256.clone())
+        .csv_column("viewpoint", |((_, row, _), _)| row.viewpoint.name.clone())
+        .csv_column("tracer", |((_, row, _), _)| row.label())
+        .csv_column("rays", |((.., trace), _)| trace.rays.clone())
+        .csv_column("query", |((.., trace), _)| query(trace.query))
+        .csv_column("ray_index", |(_, ray)| ray.index)
         .with(vector(["origin_x_scene_units", "origin_y_scene_units", "origin_z_scene_units"], |ray| ray.origin))
         .with(vector(["direction_x", "direction_y", "direction_z"], |ray| ray.direction))
-        .column("t_min_scene_units", |(_, ray)| single(ray.t_min))
-        .column("t_max_scene_units", |(_, ray)| single(ray.t_max))
-        .column("true_t_scene_units", |(_, ray)| ray.true_t)
-        .column("true_primitive", |(_, ray)| ray.true_primitive)
-        .column("answered_t_scene_units", |(_, ray)| ray.answered_t.map(single))
-        .column("answered_primitive", |(_, ray)| ray.answered_primitive)
-        .column("status", |(_, ray)| ray.status.clone())
-        .column("class", |(_, ray)| ray.class.clone())
-        .column("cause", |(_, ray)| ray.cause.clone());
+        .csv_column("t_min_scene_units", |(_, ray)| single(ray.t_min))
+        .csv_column("t_max_scene_units", |(_, ray)| single(ray.t_max))
+        .csv_column("true_t_scene_units", |(_, ray)| ray.true_t)
+        .csv_column("true_primitive", |(_, ray)| ray.true_primitive)
+        .csv_column("answered_t_scene_units", |(_, ray)| ray.answered_t.map(single))
+        .csv_column("answered_primitive", |(_, ray)| ray.answered_primitive)
+        .csv_column("status", |(_, ray)| ray.status.clone())
+        .csv_column("class", |(_, ray)| ray.class.clone())
+        .csv_column("cause", |(_, ray)| ray.cause.clone());
     sheet.table(&rows)
 }
 
-fn all_traces<'a>(groups: &[Group<'a>]) -> Vec<Row<'a>> {
-    let of_group = |group: &Group<'a>| group.ray_sets.iter().flat_map(|set| group.traces(set)).collect::<Vec<_>>();
-    groups.iter().flat_map(of_group).collect()
+fn placed<'a>(groups: &'a [Group<'a>]) -> impl Iterator<Item = Placed<'a>> {
+    let of_set =
+        |(group, set): (&'a Group<'a>, &'a RaySet<'a>)| group.traces(set).into_iter().map(move |row| (group, set, row));
+    groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| (group, set))).flat_map(of_set)
 }
 
 fn wrong_rays_of(trace: &TraceRecord) -> &[WrongRay] {
@@ -77,29 +121,38 @@ fn wrong_rays_of(trace: &TraceRecord) -> &[WrongRay] {
     }
 }
 
-/// What only some traces have; all rows of a table must have the same.
-fn of_maps<'a>(rows: &[Row<'a>]) -> Columns<'a, Row<'a>> {
-    let traces = || rows.iter().map(|(.., trace)| *trace);
+/// What only some rows have; all of a table must have the same.
+fn of_maps<'a, R>(rows: &[(Placed<'a>, R)]) -> Columns<'a, TableRow<'a>> {
+    let rows = || rows.iter().map(|((.., row), _)| *row);
+    let traces = || rows().map(|(.., trace)| trace);
+    let statistics: BTreeSet<&'a String> = rows().flat_map(|(_, row, _)| row.structure_statistics.keys()).collect();
     let counters: BTreeSet<&'a String> = traces().flat_map(|trace| trace.counters.keys()).collect();
     let statuses: BTreeSet<&'a String> = traces().flat_map(|trace| trace.statuses.keys()).collect();
     let causes: BTreeSet<(&'a String, &'a String)> = traces()
         .flat_map(|trace| trace.judgement.causes())
         .flat_map(|(rule, causes)| causes.keys().map(move |cause| (rule, cause)))
         .collect();
-    let mut columns: Columns<'a, Row<'a>> = Vec::new();
+    let mut columns: Columns<'a, TableRow<'a>> = Vec::new();
+    columns.extend(statistics.into_iter().map(|name| {
+        Column::csv(format!("structure_{name}"), move |(_, row, _): &TableRow<'a>| {
+            row.structure_statistics.get(name).copied()
+        })
+    }));
     for name in counters {
-        let of = move |(.., trace): &Row<'a>| trace.counters.get(name);
-        columns.push(Column::new(format!("counter_{name}_per_ray"), move |row| of(row).map(|each| each.per_ray)));
-        let greatest = move |row: &Row<'a>| of(row).and_then(|each| each.greatest_per_ray);
-        columns.push(Column::new(format!("counter_{name}_greatest_per_ray"), greatest));
-        columns.push(Column::new(format!("counter_{name}_total"), move |row| of(row).map(|each| each.total)));
+        let of = move |(.., trace): &TableRow<'a>| trace.counters.get(name);
+        columns.push(Column::csv(format!("counter_{name}_per_ray"), move |row| of(row).map(|each| each.per_ray)));
+        let greatest = move |row: &TableRow<'a>| of(row).and_then(|each| each.max_per_ray);
+        columns.push(Column::csv(format!("counter_{name}_greatest_per_ray"), greatest));
+        columns.push(Column::csv(format!("counter_{name}_total"), move |row| of(row).map(|each| each.total)));
     }
     columns.extend(statuses.into_iter().map(|status| {
-        Column::new(format!("status_{status}_rays"), move |(.., trace): &Row<'a>| trace.statuses.get(status).copied())
+        Column::csv(format!("status_{status}_rays"), move |(.., trace): &TableRow<'a>| {
+            trace.statuses.get(status).copied()
+        })
     }));
     columns.extend(causes.into_iter().map(|(rule, cause)| {
-        let of = move |(.., trace): &Row<'a>| trace.judgement.causes().get(rule)?.get(cause).copied();
-        Column::new(format!("cause_{rule}_{cause}_rays"), of)
+        let of = move |(.., trace): &TableRow<'a>| trace.judgement.causes().get(rule)?.get(cause).copied();
+        Column::csv(format!("cause_{rule}_{cause}_rays"), of)
     }));
     columns
 }

@@ -8,7 +8,7 @@ use super::format::{NONE, percent, significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::metrics;
 use super::sheet::Accuracy;
-use crate::results::{Run, TraceRecord};
+use crate::results::{Record, TraceRecord};
 
 /// Columns that names may take; longer ones go on in the next line. With the other columns a line has 100 at most.
 const LONGEST_NAME: usize = 30;
@@ -17,11 +17,11 @@ const SHARE: usize = 12;
 /// What stands beside a clock because the device's own could not be true.
 const REFUSED: &str = " *";
 
-/// Every contender's traces, no speed without its accuracy.
-pub fn run_table(run: &Run) -> String {
-    let groups = groups(run);
+/// Every configuration's traces, no speed without its accuracy.
+pub fn run_table(record: &Record) -> String {
+    let groups = groups(record);
     let titles = groups.iter().flat_map(|group| group.ray_sets.iter().map(title));
-    let names = run.runs.iter().map(|one| one.label()).chain(titles);
+    let names = record.rows.iter().map(|one| one.label()).chain(titles);
     let width = names.map(|name| name.chars().count()).max().unwrap_or(0).min(LONGEST_NAME);
     let mut text = String::new();
     for group in &groups {
@@ -45,10 +45,10 @@ fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize)
     let mut one_sided = None;
     for (role, one, trace) in group.traces(set) {
         one_sided = one_sided.or(trace.judgement.one_sided());
-        if role == Role::Contender {
+        if role == Role::Tracer {
             let speed = metrics::speed(trace).filter(|_| metrics::judged(trace));
             let speed = speed.map_or_else(|| NONE.to_owned(), |speed| significant(speed, 4));
-            // None of a set whose rays are all ties.
+            // None of a set whose rays are all ambiguous rays.
             let share = |Accuracy { share, trials, one_sided, .. }: &Accuracy| {
                 share
                     .filter(|_| one_sided.is_none())
@@ -69,8 +69,8 @@ fn clock(trace: &TraceRecord) -> String {
         ClockKind::DeviceTimestamps => "device timestamps",
         ClockKind::SubmitToDone => "submit to done",
     };
-    let void = if trace.times.void.is_some() { ", times void" } else { "" };
-    format!("{name}{void}{}", if trace.times.timestamps_refused { REFUSED } else { "" })
+    let invalid = if trace.times.invalid.is_some() { ", times invalid" } else { "" };
+    format!("{name}{invalid}{}", if trace.times.timestamps_refused { REFUSED } else { "" })
 }
 
 /// A line of a table; a name that is too long for its column begins in lines of its own.
@@ -97,12 +97,12 @@ mod tests {
 
     const FAIR: Quality = Quality { missed: 0.25, blur: 1e-9, speed: 3.1, clock: ClockKind::SubmitToDone };
 
-    /// Proves that every trace of every contender has its line below its scene and ray set, with speed, every accuracy and clock
+    /// Proves that every trace of every configuration has its line below its scene and ray set, with speed, every accuracy and clock
     /// in aligned columns; that no line is wider than a terminal, whatever tracers are called; and that controls stay out.
     #[test]
     fn every_trace_has_a_line() {
-        for run in [fixture::typical(), fixture::crowded()] {
-            let text = run_table(&run);
+        for record in [fixture::typical(), fixture::crowded()] {
+            let text = run_table(&record);
             assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
             assert!(!text.contains("oracle") && !text.contains(REFUSED), "{text}");
             let heads: Vec<&str> =
@@ -111,7 +111,7 @@ mod tests {
             let (speed, clock) = (heads[0].find("Mrays/s").unwrap() + "Mrays/s".len(), heads[0].find("clock").unwrap());
             let rows = text.lines().filter(|line| line.starts_with("  ") && line.contains(" %"));
             let rows: Vec<Vec<char>> = rows.map(|line| line.chars().collect()).collect();
-            assert_eq!(rows.len(), run.runs.iter().map(|one| one.traces.len()).sum::<usize>());
+            assert_eq!(rows.len(), record.rows.iter().map(|one| one.traces.len()).sum::<usize>());
             for row in rows {
                 assert!(row[speed - 1].is_ascii_digit() && row[speed] == ' ', "{row:?}");
                 assert!(row[clock - 1] == ' ' && row[clock].is_ascii_lowercase(), "{row:?}");
@@ -127,51 +127,51 @@ mod tests {
     /// Proves that several scenes stand below headings of their own, in the order of the run.
     #[test]
     fn scenes_are_headings() {
-        let mut run = fixture::typical();
-        let mut other = run.clone();
-        other.runs.iter_mut().chain(&mut other.controls).for_each(|one| "drone".clone_into(&mut one.scene.name));
-        run.runs.append(&mut other.runs);
-        run.controls.append(&mut other.controls);
-        let text = run_table(&run);
+        let mut record = fixture::typical();
+        let mut other = record.clone();
+        other.rows.iter_mut().chain(&mut other.controls).for_each(|one| "drone".clone_into(&mut one.scene.name));
+        record.rows.append(&mut other.rows);
+        record.controls.append(&mut other.controls);
+        let text = run_table(&record);
         let heads: Vec<&str> = text.lines().filter(|line| !line.starts_with(' ')).collect();
         assert!(heads.len() == 2 && heads[1].starts_with("drone, viewpoint"), "{heads:?}");
         assert_eq!(text.matches("bvh-cpu").count(), 6);
     }
 
-    /// Proves that void times are told as such, with no speed but with the accuracy, on the page of a run too.
+    /// Proves that invalid times are told as such, with no speed but with the accuracy, on the page of a run too.
     #[test]
-    fn void_times_are_told() {
-        let mut run = fixture::run(&[("bvh-cpu", FAIR)], &fixture::SETS[..1]);
-        let speed = significant(run.runs[0].traces[0].mrays_per_s, 4);
-        assert!(run_table(&run).contains(&speed));
-        run.runs[0].traces[0].times.void = Some("why".to_owned());
-        let text = run_table(&run);
+    fn invalid_times_are_reported() {
+        let mut record = fixture::run(&[("bvh-cpu", FAIR)], &fixture::SETS[..1]);
+        let speed = significant(record.rows[0].traces[0].mrays_per_s, 4);
+        assert!(run_table(&record).contains(&speed));
+        record.rows[0].traces[0].times.invalid = Some("why".to_owned());
+        let text = run_table(&record);
         assert!(
-            !text.contains(&speed) && text.contains("submit to done, times void") && text.contains(" % "),
+            !text.contains(&speed) && text.contains("submit to done, times invalid") && text.contains(" % "),
             "{text}"
         );
         let folder = tempfile::TempDir::new().unwrap();
-        fixture::write_run(&run, folder.path(), fixture::tables).unwrap();
+        fixture::write_run(&record, folder.path(), fixture::tables).unwrap();
         let page = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
-        assert!(page.contains("; **void times** of 1: why"), "{page}");
-        assert!(page.contains("**times void**") && !page.contains(&speed), "{page}");
+        assert!(page.contains("; **invalid times** of 1: why"), "{page}");
+        assert!(page.contains("**times invalid**") && !page.contains(&speed), "{page}");
     }
 
     /// Proves that a speed without an accuracy is not shown, and that timestamps which were not believed are told.
     #[test]
     fn no_speed_without_its_accuracy() {
-        let mut run = fixture::run(&[("bvh-cpu", FAIR)], &fixture::SETS);
-        let speeds: Vec<String> = run.runs[0].traces.iter().map(|trace| significant(trace.mrays_per_s, 4)).collect();
+        let mut record = fixture::run(&[("bvh-cpu", FAIR)], &fixture::SETS);
+        let speeds: Vec<String> = record.rows[0].traces.iter().map(|trace| significant(trace.mrays_per_s, 4)).collect();
         let shown = |text: &str| speeds.iter().filter(|speed| text.contains(&format!(" {speed} "))).count();
-        assert_eq!(shown(&run_table(&run)), 3);
-        for trace in &mut run.runs[0].traces {
+        assert_eq!(shown(&run_table(&record)), 3);
+        for trace in &mut record.rows[0].traces {
             trace.times.timestamps_refused = true;
             match &mut trace.judgement {
                 Judgement::Closest(closest) => closest.agreement.tight = None,
                 Judgement::Any(any) => any.occlusion.balanced_accuracy = None,
             }
         }
-        let text = run_table(&run);
+        let text = run_table(&record);
         assert!(shown(&text) == 0 && text.contains(NONE), "{text}");
         assert!(text.contains("submit to done *") && text.ends_with("not believed\n"), "{text}");
     }

@@ -11,9 +11,9 @@ use crate::files::FileError;
 use crate::measure::controls::Control;
 use crate::results::{ClosestJudgement, Judgement, TraceRecord};
 
-fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
+fn write(record: &Record) -> (TempDir, BTreeMap<String, Vec<u8>>) {
     let folder = TempDir::new().unwrap();
-    let paths = write_run(run, &folder.path().join("a/b"), fixture::tables).unwrap();
+    let paths = write_run(record, &folder.path().join("a/b"), fixture::tables).unwrap();
     assert_eq!(paths[0].file_name().unwrap(), RUN_FILE);
     let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
     let files: BTreeMap<_, _> = paths.iter().map(|path| (name(path), fs::read(path).unwrap())).collect();
@@ -38,12 +38,12 @@ fn table(files: &BTreeMap<String, Vec<u8>>, name: &str) -> (Vec<String>, Vec<BTr
 /// What was written reads back, and makes the same files again, to the byte.
 #[test]
 fn derived_files_can_be_made_again() {
-    let run = fixture::typical();
-    let (folder, files) = write(&run);
+    let record = fixture::typical();
+    let (folder, files) = write(&record);
     let directory = folder.path().join("a/b");
     let again = read_run(&directory).unwrap();
-    assert_eq!(again, run);
-    assert_eq!(read_run(&directory.join(RUN_FILE)).unwrap(), run);
+    assert_eq!(again, record);
+    assert_eq!(read_run(&directory.join(RUN_FILE)).unwrap(), record);
     let elsewhere = TempDir::new().unwrap();
     let paths = write_derived(&again, elsewhere.path(), fixture::tables).unwrap();
     assert_eq!(paths.len() + 1, files.len());
@@ -56,17 +56,17 @@ fn derived_files_can_be_made_again() {
 /// The summary names the machine, the commit and every tracer, and says what its figures are worth.
 #[test]
 fn the_summary_is_complete() {
-    let run = fixture::crowded();
-    let summary = summary::summary(&run, &group::groups(&run)).markdown();
+    let record = fixture::crowded();
+    let summary = summary::summary(&record, &group::groups(&record)).markdown();
     for wanted in [
-        run.provenance.machine.label(),
-        run.provenance.commit.clone(),
-        run.provenance.started.clone(),
-        run.seed.to_string(),
+        record.provenance.machine.label(),
+        record.provenance.commit.clone(),
+        record.provenance.started.clone(),
+        record.seed.to_string(),
     ] {
         assert!(summary.contains(&wanted), "{wanted}");
     }
-    for tracer in run.runs.iter().chain(&run.controls) {
+    for tracer in record.rows.iter().chain(&record.controls) {
         assert!(summary.contains(&tracer.tracer.label()));
     }
     for wanted in
@@ -75,11 +75,11 @@ fn the_summary_is_complete() {
         assert!(summary.contains(wanted), "{wanted}");
     }
     // What is said of several viewpoints stands once.
-    let twice = [run.skipped.clone(), run.skipped.clone()].concat();
-    assert!(!run.skipped.is_empty());
-    assert_eq!(summary::skipped(&twice), summary::skipped(&run.skipped));
+    let twice = [record.skipped.clone(), record.skipped.clone()].concat();
+    assert!(!record.skipped.is_empty());
+    assert_eq!(summary::skipped(&twice).markdown(), summary::skipped(&record.skipped).markdown());
     assert!(!summary.contains("smoke"));
-    let smoke = Run { preset: "smoke".to_owned(), ..run };
+    let smoke = Record { preset: "smoke".to_owned(), ..record };
     assert!(summary::summary(&smoke, &[]).markdown().contains("figures only show that things work"));
 }
 
@@ -87,19 +87,19 @@ fn the_summary_is_complete() {
 /// none has, and of records from before it was told, it says nothing of it.
 #[test]
 fn distances_are_told_by_texels() {
-    let run = fixture::crowded();
+    let record = fixture::crowded();
     let heading = "Told hits by their distance from the connected piece of mesh";
-    let summary_of = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
-    let told = summary_of(&run);
+    let summary_of = |record: &Record| summary::summary(record, &group::groups(record)).markdown();
+    let told = summary_of(&record);
     assert!(told.contains(heading) && told.contains("The pieces of mesh that most rays truly hit"));
     let changed = |change: fn(&mut ClosestJudgement)| {
-        let mut run = run.clone();
-        for trace in run.runs.iter_mut().flat_map(|each| &mut each.traces) {
+        let mut record = record.clone();
+        for trace in record.rows.iter_mut().flat_map(|each| &mut each.traces) {
             if let Judgement::Closest(judgement) = &mut trace.judgement {
                 change(judgement);
             }
         }
-        summary_of(&run)
+        summary_of(&record)
     };
     assert!(!changed(|judgement| judgement.surface_distance = None).contains(heading));
     let without = changed(|judgement| {
@@ -113,8 +113,8 @@ fn distances_are_told_by_texels() {
 /// Every row of a table with speeds has its accuracy, with an interval; rows have as many cells as their heading.
 #[test]
 fn no_speed_without_accuracy() {
-    let run = fixture::crowded();
-    let summary = summary::summary(&run, &group::groups(&run)).markdown();
+    let record = fixture::crowded();
+    let summary = summary::summary(&record, &group::groups(&record)).markdown();
     let cells = |line: &str| line.replace("\\|", "").split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let mut heading: Vec<String> = Vec::new();
     let mut speeds = 0;
@@ -137,15 +137,15 @@ fn no_speed_without_accuracy() {
         }
     }
     assert_eq!(speeds, 12 * 3);
-    // A set of nothing but ties has no accuracy, so no speed either.
-    let mut run = fixture::typical();
-    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+    // A set of nothing but ambiguous rays has no accuracy, so no speed either.
+    let mut record = fixture::typical();
+    for trace in record.rows.iter_mut().flat_map(|one| &mut one.traces) {
         if let Judgement::Closest(judgement) = &mut trace.judgement {
             (judgement.agreement, judgement.interval) = Default::default();
         }
     }
-    let summary = summary::summary(&run, &group::groups(&run)).markdown();
-    let row = summary.lines().find(|line| line.contains("| bvh-cpu |") && line.contains("tie")).unwrap();
+    let summary = summary::summary(&record, &group::groups(&record)).markdown();
+    let row = summary.lines().find(|line| line.contains("| bvh-cpu |") && line.contains("ambiguous")).unwrap();
     assert!(!row.contains("17."), "{row}");
 }
 
@@ -153,28 +153,30 @@ fn no_speed_without_accuracy() {
 /// them out, and have no such column. Controls are held to ambiguous rays as well: one that is wrong with one more voids the run.
 #[test]
 fn ambiguous_rays_count() {
-    let mut run = fixture::typical();
-    let page = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
+    let mut record = fixture::typical();
+    let page = |record: &Record| summary::summary(record, &group::groups(record)).markdown();
     let (beside, column) =
-        ("without ambiguous rays: hit_miss / tight / footprint ↑", "agreement_without_ambiguous_tight_share");
-    let older = page(&run);
+        ("without ambiguous rays: hit_miss / tight / footprint ↑", "agreement_without_ambiguous_share_tight");
+    let older = page(&record);
     assert!(older.contains("are left out of every share") && older.contains("wrong of 131,060"), "{older}");
     assert!(!older.contains(beside) && !older.contains("wrong of 131,072"));
-    let (_folder, files) = write(&run);
-    assert!(!table(&files, "traces.csv").0.contains(&column.to_owned()));
-    let Judgement::Closest(before) = run.runs[1].traces[0].judgement.clone() else { panic!("primary is closest-hit") };
-    fixture::judge_ambiguous(&mut run);
-    assert_eq!(verdict::controls(&run), verdict::Verdict::Sound);
-    let page = page(&run);
-    assert!(page.contains("Ambiguous rays (ties)") && page.contains(beside), "{page}");
+    let (_folder, files) = write(&record);
+    assert!(!table(&files, "rows.csv").0.contains(&column.to_owned()));
+    let Judgement::Closest(before) = record.rows[1].traces[0].judgement.clone() else {
+        panic!("primary is closest-hit")
+    };
+    fixture::judge_ambiguous(&mut record);
+    assert_eq!(verdict::controls(&record), verdict::Verdict::Sound);
+    let page = page(&record);
+    assert!(page.contains("Ambiguous rays") && page.contains(beside), "{page}");
     assert!(page.contains("wrong of 131,072"));
-    let (_folder, files) = write(&run);
-    let rows = table(&files, "traces.csv").1;
-    let row = rows.iter().find(|row| row["tracer"] == run.runs[1].tracer.name && row["rays"] == "primary").unwrap();
+    let (_folder, files) = write(&record);
+    let rows = table(&files, "rows.csv").1;
+    let row = rows.iter().find(|row| row["tracer"] == record.rows[1].tracer.name && row["rays"] == "primary").unwrap();
     assert_eq!(row[column].parse::<f64>().unwrap(), before.agreement.tight.unwrap());
     assert_ne!(row["agreement_tight_share"], row[column]);
     for control in 0..Control::ALL.len() {
-        let mut bad = run.clone();
+        let mut bad = record.clone();
         let Judgement::Closest(closest) = &mut bad.controls[control].traces[0].judgement else { panic!("closest-hit") };
         for classes in [&mut closest.classes.tight, &mut closest.classes.footprint] {
             let right = if classes.true_miss > 0 { &mut classes.true_miss } else { &mut classes.early };
@@ -185,52 +187,52 @@ fn ambiguous_rays_count() {
     }
 }
 
-/// A control that fails is said to void the run.
+/// A control that fails is said to invalid the run.
 #[test]
 fn failing_controls_are_told() {
-    let mut run = fixture::typical();
-    assert_eq!(verdict::controls(&run), verdict::Verdict::Sound);
+    let mut record = fixture::typical();
+    assert_eq!(verdict::controls(&record), verdict::Verdict::Sound);
     for control in 0..Control::ALL.len() {
-        let mut bad = run.clone();
-        // Each control with the verdict of a contender that is wrong now and then.
-        bad.controls[control].traces.clone_from(&run.runs[1].traces);
+        let mut bad = record.clone();
+        // Each control with the verdict of a configuration that is wrong now and then.
+        bad.controls[control].traces.clone_from(&record.rows[1].traces);
         assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == 3));
     }
     // A control that is missing, whole or from one ray set, vouches for nothing either.
-    let sets = run.runs[0].traces.len();
+    let sets = record.rows[0].traces.len();
     for control in 0..Control::ALL.len() {
-        let mut bad = run.clone();
+        let mut bad = record.clone();
         bad.controls.remove(control);
         assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == sets));
-        let mut bad = run.clone();
+        let mut bad = record.clone();
         bad.controls[control].traces.pop();
         let verdict = verdict::controls(&bad);
-        assert!(verdict.sentence().contains("is missing on") && verdict.sentence().contains("void"), "{verdict:?}");
+        assert!(verdict.sentence().contains("is missing on") && verdict.sentence().contains("invalid"), "{verdict:?}");
         // A chart of such a run says so, one of a sound run does not.
-        let said = |run: &Run| {
-            let charts = chart::files(&chart::charts(run, &group::groups(run))).unwrap();
+        let said = |record: &Record| {
+            let charts = chart::files(summary::summary(record, &group::groups(record)).charts()).unwrap();
             let svgs = charts.iter().filter(|(name, _)| name.ends_with(".svg"));
             svgs.map(|(_, svg)| String::from_utf8(svg.clone()).unwrap().contains("VOID")).collect::<Vec<_>>()
         };
-        assert!(said(&bad).iter().all(|said| *said) && said(&run).iter().all(|said| !said));
+        assert!(said(&bad).iter().all(|said| *said) && said(&record).iter().all(|said| !said));
     }
-    run.controls.clear();
+    record.controls.clear();
     assert!(
-        matches!(verdict::controls(&run), verdict::Verdict::Void(failed) if failed.len() == Control::ALL.len() * sets)
+        matches!(verdict::controls(&record), verdict::Verdict::Void(failed) if failed.len() == Control::ALL.len() * sets)
     );
 }
 
 /// One row for each trace, one for each wrong ray, and the figures are those of the run.
 #[test]
 fn tables_hold_the_run() {
-    let run = fixture::typical();
-    let (_folder, files) = write(&run);
-    let (header, rows) = table(&files, "traces.csv");
+    let record = fixture::typical();
+    let (_folder, files) = write(&record);
+    let (header, rows) = table(&files, "rows.csv");
     assert_eq!(rows.len(), (2 + Control::ALL.len()) * 3);
     let unique: BTreeSet<_> = header.iter().collect();
     assert_eq!(unique.len(), header.len());
     let row = rows.iter().find(|row| row["tracer"] == "screen-dda" && row["rays"] == "diffuse").unwrap();
-    let trace = &run.runs[1].traces[1];
+    let trace = &record.rows[1].traces[1];
     let Judgement::Closest(judgement) = &trace.judgement else { panic!("diffuse is a closest-hit set") };
     assert_eq!(row["mrays_per_s"].parse::<f64>().unwrap(), trace.mrays_per_s);
     assert_eq!(row["agreement_tight_share"].parse::<f64>().unwrap(), judgement.agreement.tight.unwrap());
@@ -244,7 +246,7 @@ fn tables_hold_the_run() {
         Judgement::Closest(judgement) => judgement.wrong_rays.len(),
         Judgement::Any(judgement) => judgement.wrong_rays.len(),
     };
-    let all = run.runs.iter().chain(&run.controls).flat_map(|one| &one.traces).map(wrong).sum::<usize>();
+    let all = record.rows.iter().chain(&record.controls).flat_map(|one| &one.traces).map(wrong).sum::<usize>();
     assert_eq!(rows.len(), all);
     assert!(rows.iter().all(|row| row["cause"] == "hidden, \"layer\"" && row["t_max_scene_units"] == "1e30"));
 }
@@ -252,33 +254,33 @@ fn tables_hold_the_run() {
 /// Same names do not share files, in whatever way they differ; the same rays share charts in spite of other frames.
 #[test]
 fn names_of_files_do_not_collide() {
-    let mut run = fixture::typical();
-    run.controls.clear();
-    let mut other = run.runs[0].clone();
+    let mut record = fixture::typical();
+    record.controls.clear();
+    let mut other = record.rows[0].clone();
     other.scene.name = "ROOM".to_owned();
     other.scene.sha256 = "ff00ff00ff".to_owned();
-    run.runs.push(other.clone());
+    record.rows.push(other.clone());
     for (name, x) in [("a/b", 1.0), ("a/b", 2.0), ("..", 3.0)] {
         other.viewpoint.name = name.to_owned();
         other.viewpoint.eye[0] = x;
-        run.runs.push(other.clone());
+        record.rows.push(other.clone());
     }
-    run.runs[1].viewpoint.frame = [9, 9];
-    let groups = group::groups(&run);
+    record.rows[1].viewpoint.frame = [9, 9];
+    let groups = group::groups(&record);
     let stems: Vec<_> = groups.iter().map(|group| group.stem.as_str()).collect();
     assert_eq!(
         stems,
         ["room-5e884898", "ROOM-ff00ff00-door", "ROOM-ff00ff00-a_b", "ROOM-ff00ff00-a_b-2", "ROOM-ff00ff00-__"]
     );
-    assert_eq!(groups[0].contenders.len(), 2);
+    assert_eq!(groups[0].configs.len(), 2);
 }
 
 /// Sets of the same name with other rays stand apart.
 #[test]
 fn other_rays_are_another_set() {
-    let mut run = fixture::typical();
-    run.runs[1].traces[0].rays_sha256 = "beef".to_owned();
-    let groups = group::groups(&run);
+    let mut record = fixture::typical();
+    record.rows[1].traces[0].rays_sha256 = "beef".to_owned();
+    let groups = group::groups(&record);
     let titles: Vec<_> = groups[0].ray_sets.iter().map(|set| set.title.as_str()).collect();
     assert_eq!(titles, ["primary 00000000", "diffuse", "ao", "primary beef"]);
 }
@@ -286,9 +288,9 @@ fn other_rays_are_another_set() {
 /// A run without a single trace still has its files, without charts.
 #[test]
 fn an_empty_run_is_reported() {
-    let run = Run { runs: Vec::new(), controls: Vec::new(), ..fixture::typical() };
-    let (_folder, files) = write(&run);
-    assert_eq!(files.keys().collect::<Vec<_>>(), ["run.json", "summary.md", "traces.csv", "wrong_rays.csv"]);
+    let record = Record { rows: Vec::new(), controls: Vec::new(), ..fixture::typical() };
+    let (_folder, files) = write(&record);
+    assert_eq!(files.keys().collect::<Vec<_>>(), ["rows.csv", "run.json", "summary.md", "wrong_rays.csv"]);
     assert!(text(&files, "summary.md").contains("Nothing ran."));
     let any = fixture::run(&[], &[("ao", Query::Any)]);
     let (_folder, files) = write(&any);
@@ -304,16 +306,19 @@ fn errors_are_clear() {
         let message = read_run(path).unwrap_err().to_string();
         assert!(message.contains(wanted) && message.contains(folder.path().to_str().unwrap()), "{message}");
     };
-    let run = fixture::run(&[], &[]);
+    let record = fixture::run(&[], &[]);
     fs::write(at("file"), "x").unwrap();
-    assert!(matches!(write_run(&run, &at("file"), fixture::tables), Err(ReportError::File(FileError::Folder { .. }))));
     assert!(matches!(
-        write_run(&run, &at("file/below"), fixture::tables),
+        write_run(&record, &at("file"), fixture::tables),
+        Err(ReportError::File(FileError::Folder { .. }))
+    ));
+    assert!(matches!(
+        write_run(&record, &at("file/below"), fixture::tables),
         Err(ReportError::File(FileError::Folder { .. }))
     ));
     fs::create_dir_all(at("taken/run.json")).unwrap();
     assert!(matches!(
-        write_run(&run, &at("taken"), fixture::tables),
+        write_run(&record, &at("taken"), fixture::tables),
         Err(ReportError::File(FileError::InTheWay { .. }))
     ));
     assert_eq!(fs::read_dir(at("taken")).unwrap().count(), 1);
@@ -321,7 +326,7 @@ fn errors_are_clear() {
     fails(&at("nowhere"), "there is no");
     fails(folder.path(), "run.json");
     fails(&at("file"), "not a whole JSON document");
-    let json = serde_json::to_string(&run).unwrap();
+    let json = serde_json::to_string(&record).unwrap();
     fs::write(at("cut"), &json[..json.len() / 2]).unwrap();
     fails(&at("cut"), "truncated");
     fs::write(at("other"), json.replacen(&format!("\"schema\":{SCHEMA}"), "\"schema\":999", 1)).unwrap();
@@ -336,36 +341,36 @@ fn errors_are_clear() {
 }
 
 /// The table's run: its reference and two peers, one timed on the device.
-fn of_peers() -> Run {
+fn of_peers() -> Record {
     let quality = |speed: f64, clock| fixture::Quality { missed: 0.001, blur: 1e-9, speed, clock };
     let peers = [
         ("bvh-cpu", quality(3.0, ClockKind::Host)),
         ("bvh-gpu", quality(9.0, ClockKind::DeviceTimestamps)),
         ("screen-dda", quality(20.0, ClockKind::Host)),
     ];
-    Run { table: Some("bvh".to_owned()), ..fixture::run(&peers, &fixture::SETS) }
+    Record { table: Some("bvh".to_owned()), ..fixture::run(&peers, &fixture::SETS) }
 }
 
 /// A table's rows are the tracers of its family, each with rate, size and cost; ratios are by the host's clock, which of
 /// device work is not the clock of its speed; its files are made where the run was made for it, and only there.
 #[test]
 fn tables_set_peers_side_by_side() {
-    let run = of_peers();
-    let (_folder, files) = write(&run);
-    let (header, rows) = table(&files, "table_bvh.csv");
-    assert_eq!(rows.len(), 2 * fixture::SETS.len());
-    assert!(rows.iter().all(|row| row["tracer_name"] != "screen-dda"));
+    let record = of_peers();
+    let (_folder, files) = write(&record);
+    let (header, rows) = table(&files, "rows.csv");
+    let beside = |row: &&BTreeMap<String, String>| !row["speed_over_reference"].is_empty();
+    assert_eq!(rows.iter().filter(beside).count(), 2 * fixture::SETS.len());
+    assert!(rows.iter().filter(beside).all(|row| row["tracer_name"] != "screen-dda"));
     let value = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
-    for (row, (one, trace)) in
-        rows.iter().zip(run.runs[..2].iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))))
-    {
-        assert_eq!((&row["tracer"], &row["rays"]), (&one.tracer.name, &trace.rays));
+    for (one, trace) in record.rows[..2].iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
+        let is_of = |row: &&BTreeMap<String, String>| row["tracer"] == one.tracer.name && row["rays"] == trace.rays;
+        let row = rows.iter().find(is_of).unwrap();
         let close = |name: &str, expected: f64| assert!((value(row, name) / expected - 1.0).abs() < 1e-12, "{name}");
         close("build_mtriangles_per_s", 0.156034 / (one.build.times.median_ms / 1e3));
         close("bytes_per_triangle", f64::from(7 << 20) / 156_034.0);
         close("structure_sah_cost", 57.25);
         let host = |trace: &TraceRecord| trace.times.submit_to_done_median_ms.unwrap_or(trace.times.median_ms);
-        let reference = run.runs[0].traces.iter().find(|other| other.rays == trace.rays).unwrap();
+        let reference = record.rows[0].traces.iter().find(|other| other.rays == trace.rays).unwrap();
         close("speed_over_reference", host(reference) / host(trace));
         close("counter_nodes_per_ray", 37.0);
         let accuracy = if trace.query == Query::Any { "balanced_accuracy_share" } else { "agreement_tight_share" };
@@ -373,7 +378,7 @@ fn tables_set_peers_side_by_side() {
     }
     // By the device's clock alone the second would be three times as fast.
     let device = rows.iter().find(|row| row["tracer"] == "bvh-gpu" && row["rays"] == "primary").unwrap();
-    let by_speeds = run.runs[1].traces[0].mrays_per_s / run.runs[0].traces[0].mrays_per_s;
+    let by_speeds = record.rows[1].traces[0].mrays_per_s / record.rows[0].traces[0].mrays_per_s;
     assert!((by_speeds - 3.0).abs() < 1e-9 && value(device, "speed_over_reference") < 2.999);
     assert_eq!(header.iter().filter(|name| name.ends_with("_over_reference")).count(), 2);
     let page = text(&files, "table_bvh.md");
@@ -381,7 +386,7 @@ fn tables_set_peers_side_by_side() {
         page.contains("× bvh-cpu") && page.contains("device timestamps") && !page.contains("| screen-dda"),
         "{page}"
     );
-    let plain = Run { table: None, ..run.clone() };
+    let plain = Record { table: None, ..record.clone() };
     assert!(write(&plain).1.keys().all(|name| !name.starts_with("table_")));
     for (name, contents) in peers::report(crate::peers::find("bvh").unwrap(), &plain).contents().unwrap() {
         assert!(contents == files[&name], "{name} differs");
@@ -391,8 +396,8 @@ fn tables_set_peers_side_by_side() {
 /// No row of a table tells a speed, or a ratio of speeds, without its accuracy.
 #[test]
 fn tables_tell_no_speed_without_accuracy() {
-    let mut run = of_peers();
-    let page = |run: &Run| text(&write(run).1, "table_bvh.md");
+    let mut record = of_peers();
+    let page = |record: &Record| text(&write(record).1, "table_bvh.md");
     let speeds = |page: &str| {
         let rows = page
             .lines()
@@ -400,17 +405,17 @@ fn tables_tell_no_speed_without_accuracy() {
         let cells = rows.map(|line| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>());
         // Builds have no accuracy; their rows end with a cost.
         let traces =
-            cells.filter(|cells| cells.iter().any(|cell| cell.contains("wrong of") || cell.contains("is a tie")));
+            cells.filter(|cells| cells.iter().any(|cell| cell.contains("wrong of") || cell.contains("is ambiguous")));
         traces.map(|cells| (cells[3].starts_with(|c: char| c.is_ascii_digit()), cells[4].clone())).collect::<Vec<_>>()
     };
-    let found = speeds(&page(&run));
+    let found = speeds(&page(&record));
     assert!(found.len() == 6 && found.iter().all(|(speed, ratio)| *speed && ratio != format::NONE), "{found:?}");
-    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+    for trace in record.rows.iter_mut().flat_map(|one| &mut one.traces) {
         if let Judgement::Closest(judgement) = &mut trace.judgement {
             (judgement.agreement, judgement.interval) = Default::default();
         }
     }
-    let found = speeds(&page(&run));
+    let found = speeds(&page(&record));
     let silent = found.iter().filter(|(speed, ratio)| !speed && ratio == format::NONE).count();
     assert_eq!((found.len(), silent), (6, 4), "{found:?}");
 }
@@ -418,13 +423,13 @@ fn tables_tell_no_speed_without_accuracy() {
 /// Builds say what structures say of themselves; the column is not there where nobody was asked.
 #[test]
 fn the_summary_tells_statistics() {
-    let mut run = fixture::typical();
-    let summary = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
-    assert!(summary(&run).contains("nodes 4,321; sah_cost 57.25"));
-    for one in run.runs.iter_mut().chain(&mut run.controls) {
+    let mut record = fixture::typical();
+    let summary = |record: &Record| summary::summary(record, &group::groups(record)).markdown();
+    assert!(summary(&record).contains("nodes 4,321; sah_cost 57.25"));
+    for one in record.rows.iter_mut().chain(&mut record.controls) {
         one.structure_statistics.clear();
     }
-    assert!(!summary(&run).contains("says of itself"));
+    assert!(!summary(&record).contains("says of itself"));
 }
 
 /// The committed records, in order.
@@ -447,10 +452,11 @@ fn committed_records_keep_their_head() {
     let paths = committed(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../results"));
     let mut kinds = [false; 4];
     for path in &paths {
-        let run = read_run(path.parent().unwrap()).unwrap();
-        let found = [run.sweep.is_some(), run.tuning.is_some(), run.cases.is_some(), run.explanation.is_some()];
+        let record = read_run(path.parent().unwrap()).unwrap();
+        let found =
+            [record.sweep.is_some(), record.tuning.is_some(), record.cases.is_some(), record.explanation.is_some()];
         kinds = [0, 1, 2, 3].map(|kind| kinds[kind] || found[kind]);
-        let provenance = &run.provenance;
+        let provenance = &record.provenance;
         assert!(!provenance.commit.is_empty() && provenance.started.ends_with('Z'), "{}", path.display());
         let mut text = String::new();
         let file = fs::File::open(path).unwrap();
@@ -461,24 +467,24 @@ fn committed_records_keep_their_head() {
             text.split_once(",\"seed\":").map(|(head, _)| head.to_owned())
         };
         assert!(head(&text).is_some_and(|head| head.contains("\"started\":")), "{}", path.display());
-        assert_eq!(head(&text), head(&serde_json::to_string(&run).unwrap()), "{}", path.display());
+        assert_eq!(head(&text), head(&serde_json::to_string(&record).unwrap()), "{}", path.display());
     }
     let mut without = serde_json::to_value(read_run(paths[0].parent().unwrap()).unwrap()).unwrap();
-    assert!(serde_json::from_value::<Run>(without.clone()).is_ok());
+    assert!(serde_json::from_value::<Record>(without.clone()).is_ok());
     without.as_object_mut().unwrap().remove("commit");
-    assert!(serde_json::from_value::<Run>(without).is_err());
+    assert!(serde_json::from_value::<Record>(without).is_err());
     assert!(paths.len() > 15 && kinds == [true; 4], "{} {kinds:?}", paths.len());
 }
 
-/// First and steady builds stand in pages and rows where a record tells them, with their own values and clock; one of before them has the
+/// First and steady builds are in pages and rows where a record tells them, with their own values and clock; one of before them has the
 /// time of its phases there, and no columns for what it never knew.
 #[test]
 fn builds_are_shown_as_they_were_timed() {
     let before = of_peers();
-    let run = fixture::with_whole_builds(before.clone());
-    for (run, whole) in [(&run, true), (&before, false)] {
-        let (_folder, files) = write(run);
-        let (header, rows) = table(&files, "traces.csv");
+    let record = fixture::with_whole_builds(before.clone());
+    for (record, whole) in [(&record, true), (&before, false)] {
+        let (_folder, files) = write(record);
+        let (header, rows) = table(&files, "rows.csv");
         let has = |name: &str| header.iter().any(|column| column == name);
         assert_eq!(
             ["first_build_median_ms", "steady_build_median_ms", "build_median_ms"].map(has),
@@ -488,11 +494,11 @@ fn builds_are_shown_as_they_were_timed() {
         let shown = ["first build (ms) ↓ |", "steady build (ms) ↓ |", "| build time (ms) ↓"];
         assert_eq!(shown.map(|heading| summary.contains(heading)), [whole, whole, !whole], "{summary}");
         let row = rows.iter().find(|row| row["tracer"] == "bvh-gpu").unwrap();
-        let one = &run.runs[1].build;
+        let one = &record.rows[1].build;
         if let (Some(first), Some(steady)) = (&one.first, &one.steady) {
             assert_eq!(row["first_build_median_ms"], first.median_ms.to_string());
             assert_eq!(
-                (&*row["steady_build_low_ms"], &*row["build_clock"]),
+                (&*row["steady_build_median_ms_low"], &*row["build_clock"]),
                 (&*steady.interval_ms[0].to_string(), "host")
             );
             assert!(
@@ -502,7 +508,7 @@ fn builds_are_shown_as_they_were_timed() {
             );
         }
         assert_eq!(summary.contains("clock of phases"), whole);
-        let (header, rows) = table(&files, "table_bvh.csv");
+        let (header, rows) = table(&files, "rows.csv");
         assert_eq!(header.iter().any(|column| column == "steady_build_median_ms"), whole);
         let rate = 0.156034 / (one.first().median_ms / 1e3);
         let told: f64 =

@@ -1,13 +1,13 @@
 //! Whether the controls of a run scored what they must; one that did not, or is not there, voids the run.
 
 use crate::measure::controls::Control;
-use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun, TrueCounts, ViewpointRecord};
+use crate::results::{Classes, Judgement, Record, Row, TraceRecord, TrueCounts, ViewpointRecord};
 use crate::studies::tune::Tuning;
 
 /// What the controls say of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// All stand beside every contender and scored what they must.
+    /// All stand beside every configuration and scored what they must.
     Sound,
     /// Those that did not, or are missing, as "name on rays of scene".
     Void(Vec<String>),
@@ -18,19 +18,19 @@ impl Verdict {
     pub(super) fn sentence(&self) -> String {
         match self {
             Self::Sound => "all score what they must".to_owned(),
-            Self::Void(failed) => format!("**the run is void**: {}", failed.join("; ")),
+            Self::Void(failed) => format!("**the record is invalid**: {}", failed.join("; ")),
         }
     }
 }
 
-/// Looks for every control beside everything that was traced, by the rule that every race holds them to.
-pub(super) fn controls(run: &Run) -> Verdict {
+/// Looks for every control beside everything that was traced, by the rule that every interleaved set holds them to.
+pub(super) fn controls(record: &Record) -> Verdict {
     let mut failed: Vec<String> = Vec::new();
-    for (contender, trace) in run.runs.iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
-        for control in asked(&run.control_names) {
-            if let Some(problem) = problem(run, control, contender, trace) {
+    for (config, trace) in record.rows.iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
+        for control in asked(&record.control_names) {
+            if let Some(problem) = problem(record, control, config, trace) {
                 let name = control.description().name;
-                let sentence = format!("{name} {problem} on {} of {}", trace.rays, contender.scene.name);
+                let sentence = format!("{name} {problem} on {} of {}", trace.rays, config.scene.name);
                 if !failed.contains(&sentence) {
                     failed.push(sentence);
                 }
@@ -45,23 +45,23 @@ fn asked(names: &[String]) -> impl Iterator<Item = Control> {
     Control::ALL.into_iter().filter(move |control| names.iter().any(|name| name == control.description().name))
 }
 
-/// What is wrong with a control beside a contender's trace.
-fn problem(run: &Run, control: Control, contender: &TracerRun, trace: &TraceRecord) -> Option<&'static str> {
+/// What is wrong with a control beside a configuration's trace.
+fn problem(record: &Record, control: Control, config: &Row, trace: &TraceRecord) -> Option<&'static str> {
     // Frame and faces shape structures, not rays; controls have none.
     let pose = |view: &ViewpointRecord| ViewpointRecord { frame: [0; 2], face: 0, ..view.clone() };
-    let beside = |one: &&TracerRun| one.scene == contender.scene && pose(&one.viewpoint) == pose(&contender.viewpoint);
+    let beside = |one: &&Row| one.scene == config.scene && pose(&one.viewpoint) == pose(&config.viewpoint);
     let rays = (trace.rays.as_str(), trace.rays_sha256.as_str(), trace.count);
-    problem_on(run.controls.iter().filter(beside), control, rays, &trace.judgement)
+    problem_on(record.controls.iter().filter(beside), control, rays, &trace.judgement)
 }
 
-/// What is wrong with a control on rays (name, hash, number) beside a contender's judgement.
+/// What is wrong with a control on rays (name, hash, number) beside a configuration's judgement.
 fn problem_on<'a>(
-    runs: impl Iterator<Item = &'a TracerRun>,
+    rows: impl Iterator<Item = &'a Row>,
     control: Control,
     rays: (&str, &str, u64),
     judgement: &Judgement,
 ) -> Option<&'static str> {
-    let found = runs
+    let found = rows
         .filter(|one| one.tracer.name == control.description().name)
         .flat_map(|one| &one.traces)
         .find(|one| (one.rays.as_str(), one.rays_sha256.as_str(), one.count) == rays);

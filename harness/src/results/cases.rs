@@ -1,5 +1,5 @@
 //! What a record says of cases: minimal scenes of one difficulty each, and what is expected of each tracer there. What was
-//! measured is in the rows ([`super::TracerRun::strength`]); whether it came as expected is derived.
+//! measured is in the rows ([`super::Row::difficulty_level`]); whether it came as expected is derived.
 
 use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
@@ -21,22 +21,22 @@ pub struct CaseRecord {
     /// What it is.
     pub summary: String,
     /// What makes it harder.
-    pub knob: KnobRecord,
+    pub difficulty_parameter: DifficultyParameterRecord,
     /// What rays must have for the case to measure anything.
     pub feature: String,
-    /// Least share of rays that must have it at the hardest strength.
-    pub least_featured: f64,
-    /// What the case was like at each strength.
-    pub strengths: Vec<Strength>,
+    /// Least share of rays that must have it at the hardest difficulty level.
+    pub min_featured: f64,
+    /// What the case was like at each difficulty level.
+    pub difficulty_levels: Vec<DifficultyLevel>,
     /// Why nothing here may be believed: a control failed.
-    pub void: Option<String>,
+    pub invalid: Option<String>,
     /// The tracers, in the order of columns.
     pub tracers: Vec<CaseTracer>,
 }
 
-/// A knob.
+/// A difficulty parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct KnobRecord {
+pub struct DifficultyParameterRecord {
     /// What is turned.
     pub name: String,
     /// Unit; empty for counts and ratios.
@@ -45,11 +45,11 @@ pub struct KnobRecord {
     pub values: Vec<f64>,
 }
 
-/// A case at one strength.
+/// A case at one difficulty level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Strength {
-    /// The knob's value.
-    pub strength: f64,
+pub struct DifficultyLevel {
+    /// The difficulty parameter's value.
+    pub difficulty_level: f64,
     /// Triangles.
     pub triangles: u64,
     /// What is asked.
@@ -58,12 +58,12 @@ pub struct Strength {
     pub frame: [u32; 2],
     /// Rays.
     pub rays: u64,
-    /// Rays that truly hit and are no tie.
+    /// Rays that truly hit and are not ambiguous.
     pub true_hits: u64,
-    /// Rays that truly miss and are no tie.
+    /// Rays that truly miss and are not ambiguous.
     pub true_misses: u64,
-    /// Ties.
-    pub ties: u64,
+    /// Ambiguous rays.
+    pub ambiguous_rays: u64,
     /// Share of the rays that show the difficulty.
     pub featured: f64,
 }
@@ -81,11 +81,11 @@ pub struct CaseTracer {
     pub no_answers: Vec<NoAnswer>,
 }
 
-/// Why a tracer gave no answers at a strength.
+/// Why a tracer gave no answers at a difficulty level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NoAnswer {
-    /// The knob's value.
-    pub strength: f64,
+    /// The difficulty parameter's value.
+    pub difficulty_level: f64,
     /// Why.
     pub error: String,
     /// Whether that is because the device is too small.
@@ -109,16 +109,17 @@ pub struct ExpectationRecord {
     pub kind: String,
     /// The rule by which rays are wrong.
     pub rule: Rule,
-    /// The share of wrong rays at each of the knob's values, as measured before; `None` where there were no answers. Empty of what is exact,
-    /// and in records of before every strength had its share.
+    /// The share of wrong rays at each of the difficulty parameter's values, as measured before; `None` where there were no answers. Empty
+    /// of what is exact, and in records of before every difficulty level had its share.
     #[serde(default)]
     pub wrong_shares: Vec<Option<f64>>,
     /// What the device's rasterizer adds to the room on both sides of these, share.
     #[serde(default)]
-    pub rasterizer_room: f64,
-    /// The strength from which on a device may be too small.
+    pub rasterizer_tolerance: f64,
+    /// The difficulty level from which on a device may be too small.
     pub refusable_from: Option<f64>,
-    /// The strength from which on the device's rasterizer loses triangles, by its probe: whatever is wrong there is not the tracer's.
+    /// The difficulty level from which on the device's rasterizer loses triangles, by its probe: whatever is wrong there is not the
+    /// tracer's.
     #[serde(default)]
     pub lost_from: Option<f64>,
     /// Why.
@@ -149,9 +150,9 @@ impl Wrong {
     }
 }
 
-/// A surprise at one strength.
+/// A surprise at one difficulty level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Surprise {
+pub enum UnexpectedOutcome {
     /// More rays are wrong than may be.
     Failure {
         /// Share of wrong rays.
@@ -173,30 +174,30 @@ pub enum Surprise {
 }
 
 impl ExpectationRecord {
-    /// Whether a device may be too small at one of a knob's values.
+    /// Whether a device may be too small at one of a difficulty parameter's values.
     pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
         let from = self.refusable_from.and_then(|from| values.iter().position(|value| *value == from));
         from.is_some_and(|at| index >= at)
     }
 
-    /// Whether the device's rasterizer loses triangles at one of a knob's values.
+    /// Whether the device's rasterizer loses triangles at one of a difficulty parameter's values.
     pub fn may_be_lost(&self, values: &[f64], index: usize) -> bool {
         let from = self.lost_from.and_then(|from| values.iter().position(|value| *value == from));
         from.is_some_and(|at| index >= at)
     }
 
-    /// The share of wrong rays that is expected at one of a knob's values; `None` if none is stated.
+    /// The share of wrong rays that is expected at one of a difficulty parameter's values; `None` if none is stated.
     pub fn expected_share(&self, index: usize) -> Option<f64> {
         if self.kind == EXACT { Some(0.0) } else { self.wrong_shares.get(index).copied().flatten() }
     }
 
-    /// What is surprising about the wrong rays at one of a knob's values.
-    pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
+    /// What is surprising about the wrong rays at one of a difficulty parameter's values.
+    pub fn unexpected_outcome(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<UnexpectedOutcome> {
         let expected = self.expected_share(index).filter(|_| !self.may_be_lost(values, index))?;
         let own_room = if self.kind == EXACT { 0.0 } else { MIN_ROOM.max(expected * ROOM_SHARE) };
-        let (rule, wrong, room) = (self.rule, shares.under(self.rule), own_room + self.rasterizer_room);
+        let (rule, wrong, room) = (self.rule, shares.under(self.rule), own_room + self.rasterizer_tolerance);
         let (least, allowed) = (expected - room, expected + room);
-        let failure = (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });
-        failure.or((wrong < least).then_some(Surprise::Success { wrong, rule, expected: least }))
+        let failure = (wrong > allowed).then_some(UnexpectedOutcome::Failure { wrong, rule, allowed });
+        failure.or((wrong < least).then_some(UnexpectedOutcome::Success { wrong, rule, expected: least }))
     }
 }

@@ -6,7 +6,7 @@ use tracebench_api::Query;
 
 use super::values::Checked;
 use super::{
-    Classes, Judgement, Percentiles, Provenance, RULES_VERSION, RaceRecord, Run, Times, TraceRecord, TracerRun,
+    Classes, InterleavedSetRecord, Judgement, Percentiles, Provenance, RULES_VERSION, Record, Row, Times, TraceRecord,
     TrueCounts,
 };
 use crate::statistics::median;
@@ -14,13 +14,13 @@ use crate::statistics::median;
 /// A field, whether its rule holds, and the rule.
 type Rule = (&'static str, bool, &'static str);
 
-/// Contenders whose score is known beforehand: a record has rows of all of them, whatever it says.
+/// Configurations whose score is known beforehand: a record has rows of all of them, whatever it says.
 pub const CONTROL_NAMES: [&str; 4] = ["oracle", "always-miss", "always-hit", "corrupted"];
 
 /// What figures may be off by that are made of others, a share.
 const ROUNDING: f64 = 1e-9;
 
-impl Run {
+impl Record {
     /// Reads a record from a whole JSON document. What can be none of a run is told with the path of its field and what it must be.
     ///
     /// # Errors
@@ -28,12 +28,12 @@ impl Run {
     pub fn read(json: &[u8]) -> Result<Self, String> {
         let mut path = String::new();
         Checked::document(&mut path).deserialize(&mut Deserializer::from_slice(json)).map_err(without_place)?;
-        let run: Self = serde_path_to_error::deserialize(&mut Deserializer::from_slice(json)).map_err(|error| {
+        let record: Self = serde_path_to_error::deserialize(&mut Deserializer::from_slice(json)).map_err(|error| {
             let path = error.path().to_string();
             format!("`{path}`: {}", without_place(error.into_inner()))
         })?;
-        run.check()?;
-        Ok(run)
+        record.check()?;
+        Ok(record)
     }
 
     /// Whether it can be of a run; else which field is not as it must be.
@@ -49,25 +49,28 @@ impl Run {
         )?;
         // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
         let may_be_empty = self.provenance.shard.is_some() || self.cases.is_some();
-        all("", [("runs", may_be_empty || !self.runs.is_empty(), "filled: it has no rows")])?;
-        for (list, rows) in [("runs", &self.runs), ("controls", &self.controls), ("anchors", &self.anchors)] {
+        all("", [("rows", may_be_empty || !self.rows.is_empty(), "filled: it has no rows")])?;
+        for (list, rows) in [("rows", &self.rows), ("controls", &self.controls), ("anchors", &self.anchors)] {
             each(list, rows, |at, row| self.row(at, row))?;
         }
-        each("races", &self.races, race_is_sound)?;
+        each("interleaved_sets", &self.interleaved_sets, interleaved_set_is_sound)?;
         if let Some(sweep) = &self.sweep {
             each("sweep.axes", &sweep.axes, |at, axis| {
                 all(at, [("values", axis.values.contains(&axis.own), "a list with `own` in it")])
             })?;
         }
         for case in self.cases.iter().flat_map(|record| &record.cases) {
-            all("cases.cases", [("knob.values", !case.knob.values.is_empty(), "filled")])?;
+            all(
+                "cases.cases",
+                [("difficulty_parameter.values", !case.difficulty_parameter.values.is_empty(), "filled")],
+            )?;
         }
         if let Some(found) = &self.explanation {
-            let steps = found.ladder.len() + 1;
+            let steps = found.remedies.len() + 1;
             each("explanation.scenes", &found.scenes, |at, scene| {
                 each(&format!("{at}.sets"), &scene.sets, |at, set| {
-                    let rule = "a number for the tracer as it was asked for and one for each of `ladder`";
-                    all(at, [("wrong_by_rung", set.wrong_by_rung.len() == steps, rule)])
+                    let rule = "a number for the tracer as it was asked for and one for each of `remedies`";
+                    all(at, [("wrong_by_remedy", set.wrong_by_remedy.len() == steps, rule)])
                 })
             })?;
         }
@@ -81,7 +84,7 @@ impl Run {
         Ok(())
     }
 
-    fn row(&self, at: &str, row: &TracerRun) -> Result<(), String> {
+    fn row(&self, at: &str, row: &Row) -> Result<(), String> {
         self.times(&format!("{at}.build"), &row.build.times)?;
         for (name, times) in [("first", &row.build.first), ("steady", &row.build.steady)] {
             times.as_ref().map_or(Ok(()), |times| self.times(&format!("{at}.build.{name}"), times))?;
@@ -100,10 +103,11 @@ impl Run {
         let of_samples = |found: f64, samples: &[f64]| samples.is_empty() || near(found, median(samples));
         let submissions = submit_to_done_samples_ms.len();
         let by_host = times.submit_to_done_median_ms.is_none_or(|found| of_samples(found, submit_to_done_samples_ms));
-        let race = times.race.map(|race| self.races.get(race as usize));
-        // Records of before races were told of have none.
-        let rounds = race.flatten().map_or(0, |race| race.orders.len());
-        let ticks = race.flatten().and_then(|race| race.clock_ticks.as_ref());
+        let interleaved_set =
+            times.interleaved_set.map(|interleaved_set| self.interleaved_sets.get(interleaved_set as usize));
+        // Records of before interleaved sets were told of have none.
+        let rounds = interleaved_set.flatten().map_or(0, |interleaved_set| interleaved_set.orders.len());
+        let ticks = interleaved_set.flatten().and_then(|interleaved_set| interleaved_set.clock_ticks.as_ref());
         let too_coarse = ticks.is_some_and(|ticks| ticks.too_coarse(times).is_some());
         let inside = (low - ROUNDING..=high + ROUNDING).contains(&times.median_ms);
         all(
@@ -113,9 +117,13 @@ impl Run {
                 ("interval_ms", samples == 0 || inside, "an interval with `median_ms` in it"),
                 ("submit_to_done_median_ms", by_host, "the median of `submit_to_done_samples_ms`"),
                 ("submit_to_done_samples_ms", submissions == 0 || submissions == samples, "as many as `samples_ms`"),
-                ("race", race != Some(None), "the place of one of `races`"),
-                ("void", !too_coarse || times.void.is_some(), "said: its times are below 20 ticks of their clock"),
-                ("samples_ms", rounds == 0 || samples <= rounds, "no more than its race has rounds"),
+                ("interleaved_set", interleaved_set != Some(None), "the place of one of `interleaved_sets`"),
+                (
+                    "invalid",
+                    !too_coarse || times.invalid.is_some(),
+                    "said: its times are below 20 ticks of their clock",
+                ),
+                ("samples_ms", rounds == 0 || samples <= rounds, "no more than its interleaved set has rounds"),
                 ("grown_samples", times.grown_samples <= samples as u64, "no more than `samples_ms`"),
             ],
         )?;
@@ -127,20 +135,28 @@ impl Run {
     }
 }
 
-fn race_is_sound(at: &str, race: &RaceRecord) -> Result<(), String> {
-    let (rounds, lanes) = (race.orders.len(), race.lanes.len());
+fn interleaved_set_is_sound(at: &str, interleaved_set: &InterleavedSetRecord) -> Result<(), String> {
+    let (rounds, participants) = (interleaved_set.orders.len(), interleaved_set.participants.len());
     let is_order = |order: &Vec<u32>| {
         let mut sorted = order.clone();
         sorted.sort_unstable();
-        sorted.into_iter().eq(0..lanes as u32)
+        sorted.into_iter().eq(0..participants as u32)
     };
     let fits = |samples: &[f64]| samples.len() <= rounds;
     all(
         at,
         [
-            ("orders", race.orders.iter().all(is_order), "lists with each of `lanes` once"),
-            ("kernels", race.kernels.iter().all(|kernel| fits(&kernel.samples_ms)), "of no more samples than rounds"),
-            ("twice", race.twice.iter().all(|twice| fits(&twice.samples_ms)), "of no more samples than rounds"),
+            ("orders", interleaved_set.orders.iter().all(is_order), "lists with each of `participants` once"),
+            (
+                "kernels",
+                interleaved_set.kernels.iter().all(|kernel| fits(&kernel.samples_ms)),
+                "of no more samples than rounds",
+            ),
+            (
+                "doubled_work",
+                interleaved_set.doubled_work.iter().all(|doubled_work| fits(&doubled_work.samples_ms)),
+                "of no more samples than rounds",
+            ),
         ],
     )
 }
@@ -162,7 +178,7 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
     )?;
     let at = format!("{at}.judgement");
     let is_any = trace.query == Query::Any;
-    let (ties, wrong_rays) = match &trace.judgement {
+    let (ambiguous_rays, wrong_rays) = match &trace.judgement {
         Judgement::Closest(judged) => {
             let (share, within) = (&judged.agreement, &judged.interval);
             let curve = judged.curve.iter().all(|[_, share]| (0.0..=1.0).contains(share))
@@ -171,7 +187,7 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
             let errors: Vec<f64> = [p50, p95, p99].into_iter().flatten().collect();
             let of_truth = |truth: &TrueCounts| {
                 let ambiguous = truth.ambiguous_hits + truth.ambiguous_misses;
-                ambiguous == judged.ties && truth.hits + truth.misses + ambiguous == *count
+                ambiguous == judged.ambiguous_rays && truth.hits + truth.misses + ambiguous == *count
             };
             let of = |classes: &Classes, wrong: u64, share: Option<f64>| {
                 share.is_none_or(|share| (1.0 - share - wrong as f64 / classes.all() as f64).abs() <= ROUNDING)
@@ -183,7 +199,11 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
                 ("agreement.footprint", holds(within.footprint, share.footprint), "in its interval"),
                 ("curve", curve, "pairs of a tolerance and a share that does not fall"),
                 ("position_error", errors.is_sorted(), "percentiles that rise"),
-                ("truth", judged.truth.as_ref().is_none_or(of_truth), "of `count` rays, `ties` of them ambiguous"),
+                (
+                    "truth",
+                    judged.truth.as_ref().is_none_or(of_truth),
+                    "of `count` rays, `ambiguous_rays` of them ambiguous",
+                ),
                 ("agreement.tight", of(tight, tight.wrong(), share.tight), "that of its `classes`"),
                 ("agreement.footprint", of(footprint, footprint.wrong(), share.footprint), "that of its `classes`"),
                 (
@@ -194,7 +214,7 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
                 ("classes", !is_any, "`occlusion`: its rays ask for any hit"),
             ];
             all(&at, rules)?;
-            (judged.ties, &judged.wrong_rays)
+            (judged.ambiguous_rays, &judged.wrong_rays)
         }
         Judgement::Any(judged) => {
             let table = &judged.occlusion;
@@ -204,11 +224,17 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
                 ("occlusion", is_any, "`classes`: its rays ask for the closest hit"),
             ];
             all(&at, rules)?;
-            (judged.ties, &judged.wrong_rays)
+            (judged.ambiguous_rays, &judged.wrong_rays)
         }
     };
     let known = wrong_rays.iter().all(|ray| ray.index < *count);
-    all(&at, [("ties", ties <= *count, "no more than `count`"), ("wrong_rays", known, "of an `index` below `count`")])
+    all(
+        &at,
+        [
+            ("ambiguous_rays", ambiguous_rays <= *count, "no more than `count`"),
+            ("wrong_rays", known, "of an `index` below `count`"),
+        ],
+    )
 }
 
 /// Whether an interval holds a share. One that is not there holds every share.
@@ -254,7 +280,7 @@ mod tests {
     }
 
     fn refusal(record: &Value) -> String {
-        Run::read(record.to_string().as_bytes()).map_or_else(|reason| reason, |_| String::new())
+        Record::read(record.to_string().as_bytes()).map_or_else(|reason| reason, |_| String::new())
     }
 
     /// Proves that what no run can have come to is refused with the path of its field and what it must be, each change alone of a record
@@ -271,12 +297,12 @@ mod tests {
         for whole in [&plain, &explained, &fronts, &sweep, &tuned, &updates, &cases] {
             assert_eq!(refusal(whole), "");
         }
-        let trace = |rest: &str| format!("/runs/0/traces/0{rest}");
+        let trace = |rest: &str| format!("/rows/0/traces/0{rest}");
         let changes: [(&Value, &str, Value, &str); 39] = [
-            (&plain, "/runs", json!([]), "`runs` must be filled: it has no rows"),
+            (&plain, "/rows", json!([]), "`rows` must be filled: it has no rows"),
             (&plain, "/rules_version", json!(99), "`rules_version` must be that of this program or less"),
             (&plain, "/control_names", json!(["oracle"]), "`control_names` must be all controls"),
-            (&plain, "/races", json!([]), "race` must be the place of one of `races`"),
+            (&plain, "/interleaved_sets", json!([]), "interleaved_set` must be the place of one of `interleaved_sets`"),
             (
                 &plain,
                 &trace("/judgement/position_error/p50"),
@@ -290,41 +316,46 @@ mod tests {
                 "curve` must be pairs of a tolerance and a share that",
             ),
             (&plain, "/control_names", json!([]), "`control_names` is empty and must be filled"),
-            (&plain, &trace("/count"), json!(-3), "`runs[0].traces[0].count` is -3 and must be 0 or more"),
-            (&plain, &trace("/count"), json!(0), "`runs[0].traces[0].count` must be 1 or more"),
+            (&plain, &trace("/count"), json!(-3), "`rows[0].traces[0].count` is -3 and must be 0 or more"),
+            (&plain, &trace("/count"), json!(0), "`rows[0].traces[0].count` must be 1 or more"),
             (&plain, &trace("/count"), json!(1_u64 << 60), "a whole number up to 2^53"),
-            (&plain, &trace("/count"), json!("NaN"), "`runs[0].traces[0].count`: invalid type: string"),
+            (&plain, &trace("/count"), json!("NaN"), "`rows[0].traces[0].count`: invalid type: string"),
             (
                 &plain,
                 &trace("/median_ms"),
                 json!(1e9),
-                "`runs[0].traces[0].median_ms` must be the median of `samples_ms`",
+                "`rows[0].traces[0].median_ms` must be the median of `samples_ms`",
             ),
-            (&plain, &trace("/median_ms"), json!(1e300), "`runs[0].traces[0].median_ms` is 1e300 and must be"),
+            (&plain, &trace("/median_ms"), json!(1e300), "`rows[0].traces[0].median_ms` is 1e300 and must be"),
             (
                 &plain,
                 &trace("/samples_ms/0"),
                 json!(-1),
-                "`runs[0].traces[0].samples_ms[0]` is -1 and must be 0 or more",
+                "`rows[0].traces[0].samples_ms[0]` is -1 and must be 0 or more",
             ),
-            (&plain, &trace("/interval_ms"), json!([0.0, 0.0]), "`runs[0].traces[0].interval_ms` must be an interval"),
-            (&plain, &trace("/interval_coverage"), json!(1.5), "`runs[0].traces[0].interval_coverage` is 1.5"),
+            (&plain, &trace("/interval_ms"), json!([0.0, 0.0]), "`rows[0].traces[0].interval_ms` must be an interval"),
+            (&plain, &trace("/interval_coverage"), json!(1.5), "`rows[0].traces[0].interval_coverage` is 1.5"),
             (
                 &plain,
                 &trace("/mrays_per_s"),
                 json!(561_000),
-                "`runs[0].traces[0].mrays_per_s` must be `count` over `median_ms`",
+                "`rows[0].traces[0].mrays_per_s` must be `count` over `median_ms`",
             ),
-            (&plain, &trace("/race"), json!(99), "`runs[0].traces[0].race` must be the place of one of `races`"),
-            (&plain, &trace("/grown_samples"), json!(99), "`runs[0].traces[0].grown_samples` must be no more"),
-            (&plain, &trace("/statuses"), json!({ "hit": 1 }), "`runs[0].traces[0].statuses` must be of as many rays"),
-            (&plain, &trace("/per_trace_bytes"), json!(1), "`runs[0].traces[0].per_trace_bytes` must be the sum"),
-            (&plain, &trace("/query"), json!("any"), "`runs[0].traces[0].judgement.classes` must be `occlusion`"),
+            (
+                &plain,
+                &trace("/interleaved_set"),
+                json!(99),
+                "`rows[0].traces[0].interleaved_set` must be the place of one of `interleaved_sets`",
+            ),
+            (&plain, &trace("/grown_samples"), json!(99), "`rows[0].traces[0].grown_samples` must be no more"),
+            (&plain, &trace("/statuses"), json!({ "hit": 1 }), "`rows[0].traces[0].statuses` must be of as many rays"),
+            (&plain, &trace("/per_trace_bytes"), json!(1), "`rows[0].traces[0].per_trace_bytes` must be the sum"),
+            (&plain, &trace("/query"), json!("any"), "`rows[0].traces[0].judgement.classes` must be `occlusion`"),
             (
                 &plain,
                 &trace("/judgement/agreement/tight"),
                 json!(1.5),
-                "`runs[0].traces[0].judgement.agreement.tight` is 1.5",
+                "`rows[0].traces[0].judgement.agreement.tight` is 1.5",
             ),
             (&plain, &trace("/judgement/agreement/tight"), json!(0.5), "agreement.tight` must be in its interval"),
             (
@@ -333,17 +364,32 @@ mod tests {
                 json!(7),
                 "agreement.footprint` must be that of its `classes`",
             ),
-            (&plain, &trace("/judgement/ties"), json!(9999), "`runs[0].traces[0].judgement.ties` must be no more"),
-            (&plain, &trace("/judgement/ties"), json!("x"), "`runs[0].traces[0].judgement`: invalid type"),
-            (&plain, "/runs/0/memory/structure_bytes", json!(1), "`runs[0].memory.structure_bytes` must be the sum"),
-            (&plain, "/runs/1/build/submit_to_done_samples_ms", json!([1.0]), "`runs[1].build.submit_to_done_"),
-            (&plain, "/races/1/orders/0", json!([0, 0]), "`races[1].orders` must be lists with each of `lanes` once"),
-            (&explained, "/explanation/scenes/0/sets/0/wrong_by_rung", json!([]), "sets[0].wrong_by_rung` is empty"),
+            (
+                &plain,
+                &trace("/judgement/ambiguous_rays"),
+                json!(9999),
+                "`rows[0].traces[0].judgement.ambiguous_rays` must be no more",
+            ),
+            (&plain, &trace("/judgement/ambiguous_rays"), json!("x"), "`rows[0].traces[0].judgement`: invalid type"),
+            (&plain, "/rows/0/memory/structure_bytes", json!(1), "`rows[0].memory.structure_bytes` must be the sum"),
+            (&plain, "/rows/1/build/submit_to_done_samples_ms", json!([1.0]), "`rows[1].build.submit_to_done_"),
+            (
+                &plain,
+                "/interleaved_sets/1/orders/0",
+                json!([0, 0]),
+                "`interleaved_sets[1].orders` must be lists with each of `participants` once",
+            ),
             (
                 &explained,
-                "/explanation/scenes/0/sets/0/wrong_by_rung",
+                "/explanation/scenes/0/sets/0/wrong_by_remedy",
+                json!([]),
+                "sets[0].wrong_by_remedy` is empty",
+            ),
+            (
+                &explained,
+                "/explanation/scenes/0/sets/0/wrong_by_remedy",
                 json!([1]),
-                "sets[0].wrong_by_rung` must be a number for",
+                "sets[0].wrong_by_remedy` must be a number for",
             ),
             (&fronts, "/pareto/rays_per_pixel/0", json!(-4), "`pareto.rays_per_pixel[0]` is -4 and must be 0 or more"),
             (&fronts, "/pareto/points", json!([]), "`pareto.points` is empty and must be filled"),
@@ -361,7 +407,12 @@ mod tests {
                 json!([]),
                 "`updates.scenes[0].times_s` is empty and must be filled",
             ),
-            (&cases, "/cases/cases/0/knob/values", json!([]), "knob.values` must be filled"),
+            (
+                &cases,
+                "/cases/cases/0/difficulty_parameter/values",
+                json!([]),
+                "difficulty_parameter.values` must be filled",
+            ),
         ];
         for (whole, place, value, said) in changes {
             let mut changed = whole.clone();
@@ -369,8 +420,8 @@ mod tests {
             let reason = refusal(&changed);
             assert!(reason.contains(said), "{place} {value}: {reason}");
         }
-        let twice = plain.to_string().replacen('{', "{\"seed\":1,", 1);
-        let reason = Run::read(twice.as_bytes()).unwrap_err();
+        let doubled_work = plain.to_string().replacen('{', "{\"seed\":1,", 1);
+        let reason = Record::read(doubled_work.as_bytes()).unwrap_err();
         assert!(reason.contains("`seed` is there twice"), "{reason}");
     }
 }

@@ -60,8 +60,8 @@ impl Judgement {
     /// Ambiguous rays.
     pub fn ambiguous(&self) -> u64 {
         match self {
-            Self::Closest(closest) => closest.ties,
-            Self::Any(any) => any.ties,
+            Self::Closest(closest) => closest.ambiguous_rays,
+            Self::Any(any) => any.ambiguous_rays,
         }
     }
 
@@ -74,7 +74,7 @@ impl Judgement {
     pub fn left_out(&self) -> u64 {
         match self {
             Self::Closest(closest) => closest.left_out(),
-            Self::Any(any) => any.ties,
+            Self::Any(any) => any.ambiguous_rays,
         }
     }
 
@@ -130,19 +130,19 @@ pub struct ClosestJudgement {
     /// Class counts under the two rules that look at t.
     pub classes: ByRule<Classes>,
     /// Ambiguous rays, whose truth depends on rounding.
-    pub ties: u64,
+    pub ambiguous_rays: u64,
     /// Whether they exceed 1e-3 of the set.
-    pub many_ties: bool,
+    pub many_ambiguous_rays: bool,
     /// Shares of right answers among all rays; `None` without rays. Records without `truth` leave ambiguous rays out.
-    pub agreement: Headline<Option<f64>>,
+    pub agreement: PerRule<Option<f64>>,
     /// The same shares without ambiguous rays; `None` if all are ambiguous.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub agreement_without_ambiguous: Option<Headline<Option<f64>>>,
+    pub agreement_without_ambiguous: Option<PerRule<Option<f64>>>,
     /// What the truth says of the rays; `None` in records whose classes and shares leave ambiguous rays out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<TrueCounts>,
     /// 95 % Wilson intervals of the agreements.
-    pub interval: Headline<Option<[f64; 2]>>,
+    pub interval: PerRule<Option<[f64; 2]>>,
     /// Pairs of tolerance (in scene diagonals) and agreement.
     pub curve: Vec<[f64; 2]>,
     /// |t - t*| of the rays that are rightly said to hit, scene units; of ambiguous ones from the nearest true hit.
@@ -161,7 +161,7 @@ pub struct ClosestJudgement {
 impl ClosestJudgement {
     /// Rays that are in no share: the ambiguous ones of older records.
     pub fn left_out(&self) -> u64 {
-        if self.truth.is_some() { 0 } else { self.ties }
+        if self.truth.is_some() { 0 } else { self.ambiguous_rays }
     }
 }
 
@@ -226,9 +226,9 @@ pub struct AnyJudgement {
     /// The 2x2 table.
     pub occlusion: Occlusion,
     /// Ambiguous rays: either answer is right, so they are in no count.
-    pub ties: u64,
+    pub ambiguous_rays: u64,
     /// Whether they exceed 1e-3 of the set.
-    pub many_ties: bool,
+    pub many_ambiguous_rays: bool,
     /// Why rays are wrong, under `occlusion`.
     pub causes: Causes,
     /// Wrong rays: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
@@ -246,7 +246,7 @@ pub struct ByRule<T> {
 
 /// A value for each headline rule.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Headline<T> {
+pub struct PerRule<T> {
     /// Only hit or miss must be right.
     pub hit_miss: T,
     /// See [`ByRule::tight`].
@@ -255,7 +255,7 @@ pub struct Headline<T> {
     pub footprint: T,
 }
 
-impl<T> From<[T; 3]> for Headline<T> {
+impl<T> From<[T; 3]> for PerRule<T> {
     fn from([hit_miss, tight, footprint]: [T; 3]) -> Self {
         Self { hit_miss, tight, footprint }
     }

@@ -1,6 +1,6 @@
 //! Shards of one plan joined into one record.
 
-use super::{Provenance, Run, ShardRecord, SweepRecord, TracerRun};
+use super::{Provenance, Record, Row, ShardRecord, SweepRecord};
 
 /// Why records cannot be joined.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -21,29 +21,29 @@ pub enum MergeError {
         index: u32,
         /// Of how many.
         count: u32,
-        /// `missing`, or `there twice`.
+        /// `missing`, or `there doubled_work`.
         problem: &'static str,
     },
 }
 
-/// Joins all shards of a plan, each with a name for messages. Rows stand in the order of shards; each keeps its machine.
+/// Joins all shards of a plan, each with a name for messages. Rows are in the order of shards; each keeps its machine.
 ///
 /// # Errors
 /// [`MergeError`] if they are not all shards of one plan by one program, each once.
-pub fn merge(mut shards: Vec<(String, Run)>) -> Result<Run, MergeError> {
+pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, MergeError> {
     let mut parts: Vec<ShardRecord> = Vec::new();
-    for (name, run) in &shards {
-        parts.push(run.provenance.shard.clone().ok_or_else(|| MergeError::NoShard(name.clone()))?);
+    for (name, record) in &shards {
+        parts.push(record.provenance.shard.clone().ok_or_else(|| MergeError::NoShard(name.clone()))?);
     }
     let Some(first) = parts.first().cloned() else { return Err(MergeError::Nothing) };
-    for ((name, run), part) in shards.iter().zip(&parts) {
+    for ((name, record), part) in shards.iter().zip(&parts) {
         let (of, lead) = (&shards[0].0, &shards[0].1.provenance);
         let other = |what| MergeError::Other(name.clone(), what, of.clone());
         if (&part.plan_sha256, part.count) != (&first.plan_sha256, first.count) {
             return Err(other("plan"));
         }
         let program = |of: &Provenance, part: &ShardRecord| (of.commit.clone(), of.dirty, part.program_sha256.clone());
-        if program(&run.provenance, part) != program(lead, &first) {
+        if program(&record.provenance, part) != program(lead, &first) {
             return Err(other("program"));
         }
     }
@@ -58,10 +58,11 @@ pub fn merge(mut shards: Vec<(String, Run)>) -> Result<Run, MergeError> {
         };
         return Err(MergeError::Incomplete { index, count: first.count, problem });
     }
-    shards.sort_by_key(|(_, run)| run.provenance.shard.as_ref().map_or(0, |shard| shard.index));
-    let mut shards = shards.into_iter().map(|(_, run)| run);
+    shards.sort_by_key(|(_, record)| record.provenance.shard.as_ref().map_or(0, |shard| shard.index));
+    let mut shards = shards.into_iter().map(|(_, record)| record);
     let Some(mut whole) = shards.next() else { return Err(MergeError::Nothing) };
-    let id = |run: &Run| run.provenance.shard.as_ref().map_or_else(String::new, |shard| shard.machine_id.clone());
+    let id =
+        |record: &Record| record.provenance.shard.as_ref().map_or_else(String::new, |shard| shard.machine_id.clone());
     let mut machines = vec![(whole.provenance.machine.clone(), id(&whole))];
     whole.provenance.shard = None;
     for shard in shards {
@@ -78,17 +79,17 @@ pub fn merge(mut shards: Vec<(String, Run)>) -> Result<Run, MergeError> {
     Ok(whole)
 }
 
-fn join(whole: &mut Run, mut shard: Run, machine: u32) {
-    for row in shard.controls.iter_mut().chain(&mut shard.runs).chain(&mut shard.anchors) {
+fn join(whole: &mut Record, mut shard: Record, machine: u32) {
+    for row in shard.controls.iter_mut().chain(&mut shard.rows).chain(&mut shard.anchors) {
         row.machine = machine;
     }
     whole.provenance.resumed.extend(shard.provenance.resumed);
-    let before = whole.races.len() as u32;
-    let placed = |row: TracerRun| row.with_races_after(before);
+    let before = whole.interleaved_sets.len() as u32;
+    let placed = |row: Row| row.with_races_after(before);
     whole.controls.extend(shard.controls.into_iter().map(placed));
-    whole.runs.extend(shard.runs.into_iter().map(placed));
+    whole.rows.extend(shard.rows.into_iter().map(placed));
     whole.anchors.extend(shard.anchors.into_iter().map(placed));
-    whole.races.extend(shard.races);
+    whole.interleaved_sets.extend(shard.interleaved_sets);
     for skipped in shard.skipped {
         if !whole.skipped.contains(&skipped) {
             whole.skipped.push(skipped);
@@ -133,16 +134,16 @@ mod tests {
     use super::*;
     use crate::report::fixture;
 
-    fn shard(index: u32, count: u32, plan: &str) -> Run {
-        let mut run = fixture::run(&[], &[]);
+    fn shard(index: u32, count: u32, plan: &str) -> Record {
+        let mut record = fixture::run(&[], &[]);
         let (program_sha256, machine_id) = ("program".to_owned(), "one".to_owned());
         let plan_sha256 = plan.to_owned();
-        run.provenance.shard = Some(ShardRecord { index, count, plan_sha256, program_sha256, machine_id });
-        run
+        record.provenance.shard = Some(ShardRecord { index, count, plan_sha256, program_sha256, machine_id });
+        record
     }
 
-    fn joined(shards: Vec<Run>) -> Result<Run, MergeError> {
-        merge(shards.into_iter().enumerate().map(|(place, run)| (format!("{place}"), run)).collect())
+    fn joined(shards: Vec<Record>) -> Result<Record, MergeError> {
+        merge(shards.into_iter().enumerate().map(|(place, record)| (format!("{place}"), record)).collect())
     }
 
     /// Shards are joined in their own order, whatever the order given; a record without shards, of another plan or program,
@@ -153,14 +154,14 @@ mod tests {
         // Of the same kind, and yet another one.
         second.provenance.shard.as_mut().unwrap().machine_id = "another".to_owned();
         let quality = fixture::Quality { missed: 0.0, blur: 0.0, speed: 1.0, clock: tracebench_api::ClockKind::Host };
-        let mut row = fixture::run(&[("bvh-cpu", quality)], &[]).runs.remove(0);
+        let mut row = fixture::run(&[("bvh-cpu", quality)], &[]).rows.remove(0);
         row.tracer.name = "second".to_owned();
-        second.runs.push(row);
+        second.rows.push(row);
         let whole = joined(vec![second.clone(), shard(1, 2, "plan")]).unwrap();
         assert_eq!((whole.provenance.shard.as_ref(), whole.provenance.further_machines.len()), (None, 1));
-        assert_eq!((whole.runs[0].machine, whole.skipped.len()), (1, 1));
-        // Races of the second stand behind that of the first.
-        assert_eq!((whole.runs[0].build.times.race, whole.races.len()), (Some(1), 2));
+        assert_eq!((whole.rows[0].machine, whole.skipped.len()), (1, 1));
+        // Interleaved sets of the second stand behind that of the first.
+        assert_eq!((whole.rows[0].build.times.interleaved_set, whole.interleaved_sets.len()), (Some(1), 2));
         let mut other_program = second.clone();
         other_program.provenance.commit = "ffff".to_owned();
         let mut other_build = second.clone();

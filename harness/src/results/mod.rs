@@ -1,6 +1,6 @@
 //! The one record, `run.json`: everything that any verb measured. Every other file is derived from it.
 //!
-//! Rows are [`TracerRun`]s, whoever asked for them. What a study adds to its rows is a section of the record: which points a
+//! Rows are [`Row`]s, whoever asked for them. What a study adds to its rows is a section of the record: which points a
 //! sweep has, what a case is about, how the rays of an explanation hang together. What follows from rows and sections, such as
 //! the values that a tuning would choose or the verdicts on cases, is derived and not kept.
 //!
@@ -9,16 +9,17 @@
 mod cases;
 mod explanation;
 mod fault;
+mod interleaved_set;
 mod judgement;
 mod key;
-mod means;
+mod launch;
 mod merge;
 mod need;
 mod paired;
 mod pareto;
 mod provenance;
-mod race;
 mod ratio;
+mod resident_batches;
 mod row;
 mod sweep;
 mod times;
@@ -26,7 +27,6 @@ mod trace;
 mod tuning;
 mod updates;
 mod values;
-mod windows;
 
 use std::collections::BTreeMap;
 
@@ -34,44 +34,49 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use cases::EXACT;
 pub use cases::{
-    CaseRecord, CaseTracer, CasesRecord, ExpectationRecord, KnobRecord, NoAnswer, Strength, Surprise, Wrong,
+    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
+    UnexpectedOutcome, Wrong,
 };
 pub use explanation::{
-    Explained, ExplanationRecord, GIVEN_UP, MOST_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
+    Explained, ExplanationRecord, GIVEN_UP, MAX_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
 };
 pub use fault::CONTROL_NAMES;
+pub use interleaved_set::{
+    Adaptive, ClockTicks, DoubledWorkRecord, InterleavedSetRecord, KernelRecord, MIN_ROUNDS, MIN_TICKS, SampleSchedule,
+    StopReason,
+};
 pub(crate) use judgement::one_sided;
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, OCCLUSION, Occlusion, Percentiles,
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Judgement, OCCLUSION, Occlusion, PerRule, Percentiles,
     PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
-pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};
+pub use launch::{
+    AtLaunchSettings, LaunchRecord, LaunchSettings, MARGIN, MEMORY_ACCESS, ProbeRecord, RAYS_PER_LANE,
+    at_launch_settings,
+};
 pub use merge::{MergeError, merge};
 pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, values_label};
-pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
+pub use paired::{Answer, COVERAGE, Caveat, MAX_CHANGE, Paired, Pairing, Timed, of_rounds};
 pub use pareto::{
-    CheckedRecord, FrontPoint, FrontScene, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,
+    FrontPoint, FrontScene, HeldOutRecord, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,
 };
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
-pub use race::{
-    ClockTicks, EndedBy, Further, KernelRecord, LEAST_ROUNDS, MIN_TICKS, RaceRecord, Sampling, TwiceRecord,
-};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
-pub use row::{MemoryRecord, SceneRecord, TracerRecord, TracerRun, ViewpointRecord};
+pub use resident_batches::MARK;
+pub use row::{MemoryRecord, Row, SceneRecord, TracerRecord, ViewpointRecord};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};
 pub use times::{BuildRecord, PhaseRecord, Times};
 pub use trace::{CounterRecord, TraceRecord};
 pub use tuning::{TunedScene, TuningRecord, place_name};
-pub use updates::{FRESH_BUILD, SceneFollowed, UpdatesRecord, WayRecord};
-pub use windows::MARK;
+pub use updates::{FRESH_BUILD, SceneFollowed, UpdateModeRecord, UpdatesRecord};
 
 /// The schema that this program writes and reads.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// A whole record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub struct Record {
     /// [`SCHEMA`].
     pub schema: u32,
     /// Where, by which program and when; its fields stand among these.
@@ -108,20 +113,21 @@ pub struct Run {
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,
-    /// Names of the controls that stand beside every contender. In files of before they were told the first three.
+    /// Names of the controls that stand beside every configuration. In files of before they were told the first three.
     #[serde(default = "first_controls")]
     pub control_names: Vec<String>,
     /// The controls, in the form of runs.
-    pub controls: Vec<TracerRun>,
-    /// The contenders.
-    pub runs: Vec<TracerRun>,
-    /// The first contender of a scene, measured again in every window after the first ([`TracerRun::window`]): ratios between
-    /// windows go through it.
+    pub controls: Vec<Row>,
+    /// The configurations.
+    pub rows: Vec<Row>,
+    /// The first configuration of a scene, measured again in every resident batch after the first ([`Row::resident_batch`]): ratios between
+    /// resident batches go through it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub anchors: Vec<TracerRun>,
-    /// The races that were timed; rows name theirs by its place ([`Times::race`]). Empty in files of before they were told of.
+    pub anchors: Vec<Row>,
+    /// The interleaved sets that were timed; rows name theirs by its place ([`Times::interleaved_set`]). Empty in files of before they were
+    /// told of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub races: Vec<RaceRecord>,
+    pub interleaved_sets: Vec<InterleavedSetRecord>,
     /// What did not run, and why.
     pub skipped: Vec<Skipped>,
 }
@@ -146,7 +152,7 @@ fn first_controls() -> Vec<String> {
 /// The verb, with its option, that measures what the choice of a parameter costs.
 pub const CHOOSE: &str = "sweep --choose";
 
-impl Run {
+impl Record {
     /// The verb that has measured it.
     pub fn verb(&self) -> &'static str {
         let sections = [

@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Rule, TracerRun};
+use super::{Row, Rule};
 
 /// Structures shrunk until answers get worse.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NeedRecord {
     /// A structure is too small when the upper end of the interval of newly wrong less newly right rays is beyond this share.
-    pub most_lost_share: f64,
+    pub max_lost_share: f64,
     /// By the second measure also when its traces take more times as long than this.
-    pub most_times_as_long: f64,
+    pub max_slowdown: f64,
     /// A curve a scene, viewpoint and tracer.
     pub curves: Vec<NeedCurve>,
 }
@@ -60,7 +60,7 @@ pub struct NeedPoint {
 /// The same rays answered by two structures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChangedRays {
-    /// Rays without ties.
+    /// Rays without ambiguous rays.
     pub rays: u64,
     /// Rays that the first structure answers rightly and this one wrongly.
     pub newly_wrong: u64,
@@ -75,7 +75,7 @@ pub fn values_label(values: &BTreeMap<String, String>) -> String {
 
 impl NeedPoint {
     /// Whether a row is this point's, in whatever place.
-    pub fn is_of(&self, row: &TracerRun) -> bool {
+    pub fn is_of(&self, row: &Row) -> bool {
         row.tracer.parameters == self.parameters && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
     }
 
@@ -87,7 +87,7 @@ impl NeedPoint {
 
 impl NeedCurve {
     /// Whether a row was measured in this place of this tracer.
-    pub fn holds(&self, row: &TracerRun) -> bool {
+    pub fn holds(&self, row: &Row) -> bool {
         row.scene.name == self.scene
             && row.scene.sha256 == self.scene_sha256
             && row.viewpoint.name == self.viewpoint

@@ -1,31 +1,32 @@
 //! Ratios within a run: of paired rounds, with what may be made of them.
 //!
-//! In every round of a race all contenders are sampled once, in an order drawn by lot. So the ratio of two contenders is that of
-//! their times in the same round: what slows the machine for a while slows both. Where both are alike the lot alone decides who
-//! comes out slower in a round, with a chance of one half and anew in every round, however times scatter, drift or hang together.
-//! That is all that order statistics of the paired ratios take for granted ([`median_interval_of`]); outliers do not widen them.
+//! In every round of an interleaved set all configurations are sampled once, in an order shuffled. So the ratio of two configurations is
+//! that of their times in the same round: what slows the machine for a while slows both. Where both are alike the lot alone decides who
+//! comes out slower in a round, with a chance of one half and anew in every round, however times scatter, drift or hang together. That is
+//! all that order statistics of the paired ratios take for granted ([`median_interval_of`]); outliers do not widen them.
 //!
-//! Rows of different windows are paired each with the anchor of its window. What was timed in different races cannot be paired:
-//! there the interval is that of two lots, [`Ratio::of_times`], and the fixed kernels of both must have taken the same time.
+//! Rows of different resident batches are paired each with the anchor of its resident batch. What was timed in different interleaved sets
+//! cannot be paired: there the interval is that of two lots, [`Ratio::of_times`], and the fixed kernels of both must have taken the same
+//! time.
 
 use std::fmt;
 
 use serde::Serialize;
 use tracebench_api::ClockKind;
 
-use super::{LEAST_ROUNDS, RaceRecord, Ratio, Run, Times, TraceRecord, TracerRun, same_place, same_rays};
+use super::{InterleavedSetRecord, MIN_ROUNDS, Ratio, Record, Row, Times, TraceRecord, same_place, same_rays};
 use crate::statistics::{median, median_interval_of};
 
 /// What the interval of a verdict covers.
 pub const COVERAGE: f64 = 0.999;
 
-/// By how much the fixed kernel's time may differ between races whose times are set against one another, a share.
-pub const MOST_CHANGE: f64 = 0.1;
+/// By how much the fixed kernel's time may differ between interleaved sets whose times are set against one another, a share.
+pub const MAX_CHANGE: f64 = 0.1;
 
 /// Something that was timed, of one row: a build, a phase of it, a trace, or several of them one after the other.
 #[derive(Clone, Debug)]
 pub struct Timed<'a> {
-    row: &'a TracerRun,
+    row: &'a Row,
     parts: Vec<Part<'a>>,
 }
 
@@ -49,7 +50,7 @@ enum Work<'a> {
 
 impl<'a> Work<'a> {
     /// Its times in a row, which is the trace's own.
-    fn times(self, row: &'a TracerRun) -> &'a Times {
+    fn times(self, row: &'a Row) -> &'a Times {
         match self {
             Self::Phases => &row.build.times,
             Self::FirstBuild => row.build.first(),
@@ -61,26 +62,26 @@ impl<'a> Work<'a> {
 
 impl<'a> Timed<'a> {
     /// The first build of a row, as [`BuildRecord::first`](super::BuildRecord::first).
-    pub fn first_build(row: &'a TracerRun) -> Self {
+    pub fn first_build(row: &'a Row) -> Self {
         Self::work(row, Work::FirstBuild)
     }
 
     /// The steady build of a row, as [`BuildRecord::steady`](super::BuildRecord::steady).
-    pub fn steady_build(row: &'a TracerRun) -> Self {
+    pub fn steady_build(row: &'a Row) -> Self {
         Self::work(row, Work::SteadyBuild)
     }
 
     /// A phase of a row's build.
-    pub fn build_phase(row: &'a TracerRun, name: &'a str) -> Self {
+    pub fn build_phase(row: &'a Row, name: &'a str) -> Self {
         Self::work(row, Work::Phases).phase(name)
     }
 
     /// One of the row's traces.
-    pub fn trace(row: &'a TracerRun, trace: &'a TraceRecord) -> Self {
+    pub fn trace(row: &'a Row, trace: &'a TraceRecord) -> Self {
         Self::work(row, Work::Trace(trace))
     }
 
-    fn work(row: &'a TracerRun, work: Work<'a>) -> Self {
+    fn work(row: &'a Row, work: Work<'a>) -> Self {
         Self { row, parts: vec![Part { times: work.times(row), work, phase: None, factor: 1.0 }] }
     }
 
@@ -105,8 +106,8 @@ impl<'a> Timed<'a> {
         self
     }
 
-    fn races(&self) -> Vec<Option<u32>> {
-        self.parts.iter().map(|part| part.times.race).collect()
+    fn interleaved_sets(&self) -> Vec<Option<u32>> {
+        self.parts.iter().map(|part| part.times.interleaved_set).collect()
     }
 
     fn clocks(&self) -> impl Iterator<Item = ClockKind> + '_ {
@@ -114,7 +115,7 @@ impl<'a> Timed<'a> {
     }
 
     /// The same of the row of another tracer in the same place, whole where this is a phase.
-    fn of<'b>(&self, row: &'b TracerRun) -> Option<Timed<'b>> {
+    fn of<'b>(&self, row: &'b Row) -> Option<Timed<'b>> {
         let part = |part: &Part<'_>| {
             let work = match part.work {
                 Work::Trace(own) => Work::Trace(row.traces.iter().find(|other| same_rays(own, other))?),
@@ -140,7 +141,7 @@ impl<'a> Timed<'a> {
             };
             // A phase that only some rounds have belongs to no round.
             let whole = !samples.is_empty() && (part.phase.is_none() || samples.len() == times.samples_ms.len());
-            let scale = part.factor / times.aligned_by.unwrap_or(1.0);
+            let scale = part.factor / times.anchor_scale.unwrap_or(1.0);
             let scaled = whole.then(|| samples.iter().map(|ms| ms * scale));
             sums = Some(match sums {
                 None => scaled?.collect(),
@@ -155,11 +156,11 @@ impl<'a> Timed<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pairing {
-    /// Round by round of the same race.
+    /// Round by round of the same interleaved set.
     Rounds,
-    /// Each round by round with the anchor of its window.
+    /// Each round by round with the anchor of its resident batch.
     ThroughAnchor,
-    /// They were timed in different races.
+    /// They were timed in different interleaved sets.
     Unpaired,
 }
 
@@ -171,33 +172,33 @@ pub struct Paired {
     /// How it was had.
     pub pairing: Pairing,
     /// Why no verdict rests on it, if none does.
-    pub doubt: Option<Doubt>,
+    pub caveat: Option<Caveat>,
 }
 
 /// Why a time decides nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Doubt {
+pub enum Caveat {
     /// One of both was not timed, or not by a clock that the other has.
     NoTimes,
-    /// Times are void.
+    /// Times are invalid.
     Void(String),
-    /// The record does not tell of its races.
+    /// The record does not tell of its interleaved sets.
     Unrecorded,
     /// So many rounds are too few.
     FewRounds(usize),
-    /// The machine's speed drifted in a race, or changed between races.
+    /// The machine's speed drifted in an interleaved set, or changed between interleaved sets.
     Drift(String),
     /// The interval does not separate.
     Interval,
 }
 
-impl fmt::Display for Doubt {
+impl fmt::Display for Caveat {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoTimes => to.write_str("there are no times by one clock"),
-            Self::Void(why) => write!(to, "times are void: {why}"),
-            Self::Unrecorded => to.write_str("the record does not tell of its races"),
-            Self::FewRounds(rounds) => write!(to, "{rounds} rounds, fewer than {LEAST_ROUNDS}"),
+            Self::Void(why) => write!(to, "times are invalid: {why}"),
+            Self::Unrecorded => to.write_str("the record does not tell of its interleaved sets"),
+            Self::FewRounds(rounds) => write!(to, "{rounds} rounds, fewer than {MIN_ROUNDS}"),
             Self::Drift(what) => write!(to, "drift: {what}"),
             Self::Interval => to.write_str("the interval does not separate"),
         }
@@ -214,7 +215,7 @@ pub enum Answer {
     /// The same, but for a margin.
     Same,
     /// Nobody can tell, and why.
-    Undecided(Doubt),
+    Undecided(Caveat),
 }
 
 impl Paired {
@@ -222,10 +223,10 @@ impl Paired {
     ///
     /// # Errors
     /// Why none may.
-    pub fn sure(&self) -> Result<Ratio, Doubt> {
-        match (&self.doubt, self.ratio) {
-            (Some(doubt), _) => Err(doubt.clone()),
-            (None, None) => Err(Doubt::NoTimes),
+    pub fn sure(&self) -> Result<Ratio, Caveat> {
+        match (&self.caveat, self.ratio) {
+            (Some(caveat), _) => Err(caveat.clone()),
+            (None, None) => Err(Caveat::NoTimes),
             (None, Some(ratio)) => Ok(ratio),
         }
     }
@@ -233,25 +234,31 @@ impl Paired {
     /// What is to be said: the interval leaves out 1, or lies within a margin (a share) about it, or neither.
     pub fn answer(&self, margin: f64) -> Answer {
         match self.sure() {
-            Err(doubt) => Answer::Undecided(doubt),
+            Err(caveat) => Answer::Undecided(caveat),
             Ok(Ratio { interval: [low, high], .. }) => match () {
                 () if low > 1.0 => Answer::Longer,
                 () if high < 1.0 => Answer::Shorter,
                 () if high < 1.0 + margin && low > 1.0 / (1.0 + margin) => Answer::Same,
-                () => Answer::Undecided(Doubt::Interval),
+                () => Answer::Undecided(Caveat::Interval),
             },
         }
     }
 }
 
 impl Paired {
-    /// How many times as long one lot took as another of the same race, of which is known whether it drifts and why it is void.
-    pub fn in_race(one_ms: &[f64], other_ms: &[f64], drift: Option<String>, void: Option<String>) -> Self {
+    /// How many times as long one lot took as another of the same interleaved set, of which is known whether it drifts and why it is
+    /// invalid.
+    pub fn in_interleaved_set(
+        one_ms: &[f64],
+        other_ms: &[f64],
+        drift: Option<String>,
+        invalid: Option<String>,
+    ) -> Self {
         let ratio = of_rounds(one_ms, other_ms, COVERAGE);
         let rounds = one_ms.len().min(other_ms.len());
-        let few = (rounds < LEAST_ROUNDS as usize).then_some(Doubt::FewRounds(rounds));
-        let doubt = void.map(Doubt::Void).or(few).or(drift.map(Doubt::Drift));
-        Self { ratio, pairing: Pairing::Rounds, doubt: doubt.or(ratio.is_none().then_some(Doubt::NoTimes)) }
+        let few = (rounds < MIN_ROUNDS as usize).then_some(Caveat::FewRounds(rounds));
+        let caveat = invalid.map(Caveat::Void).or(few).or(drift.map(Caveat::Drift));
+        Self { ratio, pairing: Pairing::Rounds, caveat: caveat.or(ratio.is_none().then_some(Caveat::NoTimes)) }
     }
 }
 
@@ -263,7 +270,7 @@ pub fn of_rounds(one: &[f64], other: &[f64], coverage: f64) -> Option<Ratio> {
     sound.then(|| Ratio { value: median(&ratios), interval, coverage: covered })
 }
 
-impl Run {
+impl Record {
     /// How many times as long one takes as the other, rows of this record both.
     pub fn paired(&self, one: &Timed<'_>, other: &Timed<'_>) -> Paired {
         let clocks: Vec<ClockKind> = one.clocks().chain(other.clocks()).collect();
@@ -280,30 +287,30 @@ impl Run {
         let (ratio, pairing) = self.ratio(one, other, by_host);
         let lots = [one, other].map(|timed| timed.rounds(by_host));
         let fewest = lots.iter().flatten().map(Vec::len).min().unwrap_or(0);
-        let void = both().find_map(|part| part.times.void.clone());
-        let known = both().all(|part| self.race(part.times).is_some());
-        let doubt = if let Some(why) = void {
-            Some(Doubt::Void(why))
+        let invalid = both().find_map(|part| part.times.invalid.clone());
+        let known = both().all(|part| self.interleaved_set(part.times).is_some());
+        let caveat = if let Some(why) = invalid {
+            Some(Caveat::Void(why))
         } else if lots.contains(&None) || ratio.is_none() {
-            Some(Doubt::NoTimes)
+            Some(Caveat::NoTimes)
         } else if !known {
-            Some(Doubt::Unrecorded)
-        } else if fewest < LEAST_ROUNDS as usize {
-            Some(Doubt::FewRounds(fewest))
+            Some(Caveat::Unrecorded)
+        } else if fewest < MIN_ROUNDS as usize {
+            Some(Caveat::FewRounds(fewest))
         } else {
-            self.drift(one, other, pairing).map(Doubt::Drift)
+            self.drift(one, other, pairing).map(Caveat::Drift)
         };
-        Paired { ratio, pairing, doubt }
+        Paired { ratio, pairing, caveat }
     }
 
-    /// The race that times were taken in.
-    pub fn race(&self, times: &Times) -> Option<&RaceRecord> {
-        self.races.get(times.race? as usize)
+    /// The interleaved set that times were taken in.
+    pub fn interleaved_set(&self, times: &Times) -> Option<&InterleavedSetRecord> {
+        self.interleaved_sets.get(times.interleaved_set? as usize)
     }
 
     fn ratio(&self, one: &Timed<'_>, other: &Timed<'_>, by_host: bool) -> (Option<Ratio>, Pairing) {
-        let known = one.races().iter().all(Option::is_some);
-        if known && one.races() == other.races() {
+        let known = one.interleaved_sets().iter().all(Option::is_some);
+        if known && one.interleaved_sets() == other.interleaved_sets() {
             let both = one.rounds(by_host).zip(other.rounds(by_host));
             return (both.and_then(|(one, other)| of_rounds(&one, &other, COVERAGE)), Pairing::Rounds);
         }
@@ -311,13 +318,14 @@ impl Run {
         let each = COVERAGE.sqrt();
         let anchored = |timed: &Timed<'_>| {
             let anchor = timed.of(self.anchor(timed.row)?)?;
-            let paired = anchor.races() == timed.races() && anchor.races().iter().all(Option::is_some);
+            let paired = anchor.interleaved_sets() == timed.interleaved_sets()
+                && anchor.interleaved_sets().iter().all(Option::is_some);
             let by_host = by_host || !anchor.clocks().eq(timed.clocks());
             let both = timed.rounds(by_host).zip(anchor.rounds(by_host)).filter(|_| paired);
             both.and_then(|(own, anchor)| of_rounds(&own, &anchor, each))
         };
-        let same_work = other.of(one.row).is_some_and(|work| work.races() == one.races());
-        let apart = one.row.window != other.row.window && same_work && same_place(one.row, other.row);
+        let same_work = other.of(one.row).is_some_and(|work| work.interleaved_sets() == one.interleaved_sets());
+        let apart = one.row.resident_batch != other.row.resident_batch && same_work && same_place(one.row, other.row);
         if let Some((one, other)) = anchored(one).zip(anchored(other)).filter(|_| apart) {
             return (Some(one.over(&other)), Pairing::ThroughAnchor);
         }
@@ -325,22 +333,24 @@ impl Run {
         (lots.and_then(|(one, other)| Ratio::of_times(&one, &other, COVERAGE)), Pairing::Unpaired)
     }
 
-    /// The contender that stands in every window of a row's place, as it was measured in the row's.
-    fn anchor(&self, row: &TracerRun) -> Option<&TracerRun> {
-        let here = |one: &&TracerRun| one.machine == row.machine && same_place(one, row);
-        if row.window > 0 {
-            return self.anchors.iter().filter(here).find(|one| one.window == row.window);
+    /// The configuration that is in every resident batch of a row's place, as it was measured in the row's.
+    fn anchor(&self, row: &Row) -> Option<&Row> {
+        let here = |one: &&Row| one.machine == row.machine && same_place(one, row);
+        if row.resident_batch > 0 {
+            return self.anchors.iter().filter(here).find(|one| one.resident_batch == row.resident_batch);
         }
         let anchor = self.anchors.iter().find(here)?;
-        self.runs.iter().filter(here).find(|one| one.window == 0 && one.tracer == anchor.tracer)
+        self.rows.iter().filter(here).find(|one| one.resident_batch == 0 && one.tracer == anchor.tracer)
     }
 
     /// What the fixed kernels say against a ratio.
     fn drift(&self, one: &Timed<'_>, other: &Timed<'_>, pairing: Pairing) -> Option<String> {
-        let races = |timed: &Timed<'_>| timed.parts.iter().filter_map(|part| self.race(part.times)).collect::<Vec<_>>();
-        let (ours, theirs) = (races(one), races(other));
-        if let Some(race) = ours.iter().chain(&theirs).find(|race| race.drift) {
-            return Some(format!("{} of {}", race.work, race.scene));
+        let interleaved_sets = |timed: &Timed<'_>| {
+            timed.parts.iter().filter_map(|part| self.interleaved_set(part.times)).collect::<Vec<_>>()
+        };
+        let (ours, theirs) = (interleaved_sets(one), interleaved_sets(other));
+        if let Some(interleaved_set) = ours.iter().chain(&theirs).find(|interleaved_set| interleaved_set.drift) {
+            return Some(format!("{} of {}", interleaved_set.work, interleaved_set.scene));
         }
         if pairing != Pairing::Unpaired {
             return None;
@@ -348,12 +358,12 @@ impl Run {
         if one.row.machine != other.row.machine {
             return Some("other machines".to_owned());
         }
-        for kernel in ours.iter().flat_map(|race| &race.kernels) {
-            let others = theirs.iter().flat_map(|race| &race.kernels);
+        for kernel in ours.iter().flat_map(|interleaved_set| &interleaved_set.kernels) {
+            let others = theirs.iter().flat_map(|interleaved_set| &interleaved_set.kernels);
             for beside in others.filter(|each| (each.clock, each.tasks) == (kernel.clock, kernel.tasks)) {
                 let change = median(&kernel.samples_ms) / median(&beside.samples_ms);
-                if change.max(1.0 / change) > 1.0 + MOST_CHANGE {
-                    return Some("the machine was faster in one race than in the other".to_owned());
+                if change.max(1.0 / change) > 1.0 + MAX_CHANGE {
+                    return Some("the machine was faster in one interleaved set than in the other".to_owned());
                 }
             }
         }

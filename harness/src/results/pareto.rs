@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
 
-use super::{SceneRecord, TracerRun, ViewpointRecord, values_label};
+use super::{Row, SceneRecord, ViewpointRecord, values_label};
 
 /// The way of rows that were refitted to vertices that stand still, for what a refit takes.
 pub const STILL_REFIT: &str = "refit, standing still";
@@ -15,7 +15,7 @@ pub const STILL_REFIT: &str = "refit, standing still";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParetoRecord {
     /// The most points that a tracer was given, those of its presets together.
-    pub most_points: u32,
+    pub max_points: u32,
     /// Rays a pixel of the ray image of which the time of a frame is told.
     pub rays_per_pixel: Vec<f64>,
     /// Every point, by tracer, in the order in which the tracer was given it.
@@ -53,10 +53,10 @@ pub struct FrontScene {
     /// The viewpoint from which all points were measured; points are chosen by what they do here.
     pub viewpoint: ViewpointRecord,
     /// Where the chosen ones were measured again.
-    pub checked: Option<CheckedRecord>,
+    pub held_out: Option<HeldOutRecord>,
     /// Why they were not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub not_checked: Option<String>,
+    pub held_out_skipped: Option<String>,
     /// Further ray images, from which chosen points were traced for what a ray takes beside what a trace does.
     pub ray_images: Vec<[u32; 2]>,
     /// What points on fronts answer, by ray set; none in older records.
@@ -79,7 +79,7 @@ pub struct SetPictures {
     /// Distances along rays, scene units, from which white is nearest and dark farthest; not of any-hit sets.
     pub distances: Option<[f64; 2]>,
     /// Where the scale of errors of `t` ends, scene units; not of any-hit sets.
-    pub greatest_error: Option<f64>,
+    pub max_error: Option<f64>,
     /// What is right.
     pub truth: String,
     /// By point.
@@ -116,7 +116,7 @@ impl FrontScene {
 
 /// Where points were measured that were chosen elsewhere.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CheckedRecord {
+pub struct HeldOutRecord {
     /// Seed of the ray sets there.
     pub seed: u64,
     /// The viewpoint.
@@ -125,14 +125,14 @@ pub struct CheckedRecord {
 
 impl FrontPoint {
     /// Whether a row is this point's: it may follow something, or be seen from anywhere.
-    pub fn is_of(&self, row: &TracerRun) -> bool {
+    pub fn is_of(&self, row: &Row) -> bool {
         row.tracer.name == self.tracer
             && row.tracer.parameters == self.parameters
             && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
     }
 
     /// The tracer with its preset unless it is the published one.
-    pub fn contender(&self) -> String {
+    pub fn config(&self) -> String {
         if self.preset == "published" { self.tracer.clone() } else { format!("{}:{}", self.tracer, self.preset) }
     }
 
@@ -143,6 +143,6 @@ impl FrontPoint {
 
     /// Tracer, preset and values.
     pub fn label(&self) -> String {
-        format!("{} {}", self.contender(), self.values_label()).trim_end().to_owned()
+        format!("{} {}", self.config(), self.values_label()).trim_end().to_owned()
     }
 }

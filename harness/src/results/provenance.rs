@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tracebench_api::Gpu;
 
-use super::MeansRecord;
+use super::LaunchRecord;
 use crate::machine::{self, Machine};
 
 /// Version of the rules of measuring, RULES.md.
@@ -20,7 +20,7 @@ pub struct Provenance {
     pub dirty: Option<bool>,
     /// How searches on the device read and are launched where nothing is set; none where no tracer has the choice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub means: Option<MeansRecord>,
+    pub launch: Option<LaunchRecord>,
     /// When it began, UTC, ISO 8601.
     pub started: String,
     /// Version of the rules that it was measured by ([`RULES_VERSION`]); 0 of records from before they were written down.
@@ -88,7 +88,7 @@ impl Provenance {
             machine: machine::this_machine(gpu),
             commit: machine::COMMIT.to_owned(),
             dirty: machine::dirty(),
-            means: None,
+            launch: None,
             started: machine::utc_now(),
             rules_version: RULES_VERSION,
             resumed: Vec::new(),
@@ -104,7 +104,7 @@ impl Provenance {
 mod tests {
     use super::*;
 
-    /// Proves that records name the version that RULES.md has, and that a record without one is told apart.
+    /// Proves that records name the version that RULES.md has, and that a record without one is distinguished.
     #[test]
     fn the_rules_that_are_written_are_the_ones_that_records_name() {
         let rules = include_str!("../../../RULES.md");

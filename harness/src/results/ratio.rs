@@ -4,7 +4,7 @@
 //! taken by the host's, which measures work on the host as such and work on a device from submission until done. Where one of
 //! them has no such time there is no ratio.
 //!
-//! Within a race ratios are of paired rounds ([`super::paired`]). Of times that were not taken together
+//! Within an interleaved set ratios are of paired rounds ([`super::paired`]). Of times that were not taken together
 //! the interval of a ratio comes from order statistics of each lot, [`median_interval_of`], combined: from the least of one over the
 //! greatest of the other to the opposite. It assumes nothing about how times scatter (they are skewed, and have outliers), has
 //! no seed, and its coverage is known for any number of samples: the product of both, since the lots are independent. A
@@ -14,7 +14,7 @@
 use serde::Serialize;
 use tracebench_api::ClockKind;
 
-use super::{LEAST_ROUNDS, Times};
+use super::{MIN_ROUNDS, Times};
 use crate::statistics::{median, median_interval_of};
 
 /// A time by the host's clock, milliseconds: that of work on the host, or round a submission.
@@ -70,11 +70,11 @@ impl Ratio {
             return None;
         }
         // Both must cover for the ratio to be covered.
-        let of_lot = |lot: &[f64]| {
+        let of_samples = |lot: &[f64]| {
             let (interval, covered) = median_interval_of(lot, coverage.sqrt());
             Self { value: median(lot), interval, coverage: covered }
         };
-        let ratio = of_lot(one).over(&of_lot(other));
+        let ratio = of_samples(one).over(&of_samples(other));
         let all = [ratio.value, ratio.interval[0], ratio.interval[1]];
         all.iter().all(|value| value.is_finite() && *value > 0.0).then_some(ratio)
     }
@@ -96,7 +96,7 @@ impl Ratio {
         let [low, high] = self.interval;
         let change = self.value.max(1.0 / self.value) - 1.0;
         match () {
-            () if fewest_samples < LEAST_ROUNDS as usize => Movement::Undecided,
+            () if fewest_samples < MIN_ROUNDS as usize => Movement::Undecided,
             () if low > 1.0 && change > threshold => Movement::Faster,
             () if high < 1.0 && change > threshold => Movement::Slower,
             () if high <= 1.0 + threshold && low >= 1.0 / (1.0 + threshold) => Movement::Within,

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use tracebench_api::MemoryEntry;
 
-use super::{BuildRecord, TraceRecord, WayRecord};
+use super::{BuildRecord, TraceRecord, UpdateModeRecord};
 
 /// One tracer on one scene from one viewpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TracerRun {
+pub struct Row {
     /// The scene.
     pub scene: SceneRecord,
     /// The viewpoint.
@@ -18,13 +18,13 @@ pub struct TracerRun {
     pub tracer: TracerRecord,
     /// How it followed an animation, if it did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub way: Option<WayRecord>,
-    /// The strength of the case that its scene is, if it is one.
+    pub update_mode: Option<UpdateModeRecord>,
+    /// The difficulty level of the case that its scene is, if it is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub strength: Option<f64>,
-    /// In which turn of its place it was measured: contenders are interleaved within one.
+    pub difficulty_level: Option<f64>,
+    /// In which turn of its place it was measured: configurations are interleaved within one.
     #[serde(default, skip_serializing_if = "is_first")]
-    pub window: u32,
+    pub resident_batch: u32,
     /// Which machine it was measured on, where the record was merged: its place among the provenance's.
     #[serde(default, skip_serializing_if = "is_first")]
     pub machine: u32,
@@ -39,13 +39,13 @@ pub struct TracerRun {
     pub traces: Vec<TraceRecord>,
 }
 
-impl TracerRun {
-    /// The row where its races stand behind so many others.
+impl Row {
+    /// The row where its interleaved sets stand behind so many others.
     #[must_use]
     pub fn with_races_after(mut self, others: u32) -> Self {
         let traces = self.traces.iter_mut().map(|trace| &mut trace.times);
         for times in traces.chain(self.build.all_mut()) {
-            times.race = times.race.map(|race| race + others);
+            times.interleaved_set = times.interleaved_set.map(|interleaved_set| interleaved_set + others);
         }
         self
     }
@@ -109,7 +109,7 @@ pub struct ViewpointRecord {
 
 impl ViewpointRecord {
     /// What was said about its ray sets otherwise than of the run as a whole, each after a comma.
-    pub fn said_of_rays(&self) -> String {
+    pub fn ray_overrides(&self) -> String {
         self.ray_parameters.iter().map(|(name, value)| format!(", {name} = {}", said(value))).collect()
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::TracerRun;
+use super::Row;
 
 /// A sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,8 +51,8 @@ pub struct PointRecord {
 
 impl PointRecord {
     /// Whether a run is this point's.
-    pub fn is_of(&self, run: &TracerRun) -> bool {
-        run.tracer.parameters == self.parameters && (run.viewpoint.frame, run.viewpoint.face) == (self.frame, self.face)
+    pub fn is_of(&self, row: &Row) -> bool {
+        row.tracer.parameters == self.parameters && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
     }
 
     /// What it has on the axes as `name=value`, without those where it has the tracer's own.

@@ -29,16 +29,16 @@ pub struct Times {
     /// in files of before there were such structures.
     #[serde(default)]
     pub grown_samples: u64,
-    /// The race that they were taken in: its place in the record's. None where nothing was timed, and in files of before races
-    /// were told of.
+    /// The interleaved set that they were taken in: its place in the record's. None where nothing was timed, and in files of before
+    /// interleaved sets were told of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub race: Option<u32>,
+    pub interleaved_set: Option<u32>,
     /// Why they may not be believed, whatever else of the row may.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub void: Option<String>,
-    /// By what they were multiplied to be as in the first window ([`Run::aligned`](super::Run::aligned)); never kept.
+    pub invalid: Option<String>,
+    /// By what they were multiplied to be as in the first resident batch ([`Record::aligned`](super::Run::aligned)); never kept.
     #[serde(skip)]
-    pub aligned_by: Option<f64>,
+    pub anchor_scale: Option<f64>,
 }
 
 /// Times of the builds, or of the updates of a row that follows an animation.
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     /// Phases are collected by name and not by place: one that only the first sample has does not shift the others, and two
-    /// of one name within a sample are told apart.
+    /// of one name within a sample are distinguished.
     #[test]
     fn phases_that_come_and_go_are_kept_apart() {
         let sample = |phases: &[(&str, f64)]| {

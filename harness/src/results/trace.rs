@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::{EndPoint, MemoryEntry, Query};
+use tracebench_api::{MemoryEntry, Query, TraceTo};
 
 use super::{Judgement, SurfaceJudgement, Times};
 
@@ -19,11 +19,11 @@ pub struct TraceRecord {
     /// Number of rays.
     pub count: u64,
     /// How far it went.
-    pub end: EndPoint,
+    pub trace_to: TraceTo,
     /// Its times.
     #[serde(flatten)]
     pub times: Times,
-    /// Million rays a second at the median; 0 where nothing was timed and where times are void.
+    /// Million rays a second at the median; 0 where nothing was timed and where times are invalid.
     pub mrays_per_s: f64,
     /// Allocated bytes of all parts of `per_trace`.
     pub per_trace_bytes: u64,
@@ -48,7 +48,7 @@ impl TraceRecord {
     /// Says why its times may not be believed, if they may not: no speed is made of them.
     pub fn doubt_times(&mut self, why: Option<String>) {
         if why.is_some() {
-            (self.times.void, self.mrays_per_s) = (why, 0.0);
+            (self.times.invalid, self.mrays_per_s) = (why, 0.0);
         }
     }
 }
@@ -61,5 +61,5 @@ pub struct CounterRecord {
     /// Mean per ray.
     pub per_ray: f64,
     /// The largest of any one ray.
-    pub greatest_per_ray: Option<u64>,
+    pub max_per_ray: Option<u64>,
 }

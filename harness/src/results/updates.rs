@@ -29,20 +29,20 @@ pub struct SceneFollowed {
     pub times_s: Vec<f64>,
     /// Where the camera moves: the scene's hash at every frame, each of which has rays of its own. Empty where it stands still.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub walked: Vec<String>,
+    pub frame_scene_sha256: Vec<String>,
 }
 
 /// How a row follows its scene. Its `build` has the times of the updates, in the order of passes and frames; its tracer is
 /// told without what the way sets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WayRecord {
+pub struct UpdateModeRecord {
     /// Name; [`FRESH_BUILD`] for a build over the last frame.
     pub name: String,
     /// Parameters that the way sets, with their values.
     pub parameters: BTreeMap<String, serde_json::Value>,
     /// The frame at which it traces, where rays are traced at every one; that of the build is 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frame: Option<u32>,
+    pub frame_index: Option<u32>,
     /// What has moved since the build and makes a structure that is reused stale (`geometry`, `viewpoint`): it is shown, and not
     /// valid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

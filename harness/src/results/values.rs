@@ -7,12 +7,14 @@ use std::fmt::{self, Display, Write as _};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 /// Fields whose numbers may lie below zero. All others, and all below them, count or measure something.
-const SIGNED: &str = "eye forward up origin direction change deviations structure_statistics strength time_s times_s";
+const SIGNED: &str =
+    "eye forward up origin direction change deviations structure_statistics difficulty_level time_s times_s";
 /// Fields whose numbers are shares, and all below them.
 const SHARES: &str = "agreement interval identity within_common_texel within_own_texel balanced_accuracy balanced_accuracy_interval \
-                      material normal position interval_coverage featured least_featured most_wrong least_wrong most_lost_share";
+                      material normal position interval_coverage featured min_featured most_wrong least_wrong max_lost_share";
 /// Lists that are never written empty.
-const FILLED: &str = "control_names curve axes points wrong_by_rung times_s viewpoints strengths rays_per_pixel";
+const FILLED: &str =
+    "control_names curve axes points wrong_by_remedy times_s viewpoints difficulty_levels rays_per_pixel";
 /// Fields with values of any kind: those of parameters.
 const FREE: &str = "parameters ray_parameters values seed";
 /// The largest whole number that JSON's readers hold exactly, 2^53.
@@ -24,7 +26,7 @@ pub(super) struct Checked<'p> {
     field: Field,
 }
 
-/// What the fields say that a value stands in.
+/// What the fields say that a value is in.
 #[derive(Clone, Copy, Default)]
 struct Field {
     signed: bool,

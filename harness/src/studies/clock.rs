@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::measure::{self, Context, RunError, Trial};
 use crate::plan::Plan;
 use crate::rays::sampling::Stream;
-use crate::results::{Answer, Doubt, Paired, Provenance};
+use crate::results::{Answer, Caveat, Paired, Provenance};
 
 /// Traces of a sample, so that what is slower by a few percent is a whole number of them.
 pub const REPEATS: usize = 20;
@@ -20,15 +20,15 @@ const MARGIN: f64 = 0.05;
 /// What is tried.
 #[derive(Clone, Copy, Debug)]
 pub struct ClockTrial {
-    /// Races.
-    pub races: usize,
+    /// Interleaved sets.
+    pub interleaved_sets: usize,
     /// Traces that the slowed one does for every twenty of the others.
     pub slowed: usize,
     /// Threads of another job beside.
     pub load: usize,
 }
 
-/// What stands in `clock.json`.
+/// What is in `clock.json`.
 #[derive(Debug, Serialize)]
 pub struct ClockRecord {
     /// Where, by which program, when.
@@ -51,18 +51,18 @@ pub struct ClockRecord {
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClockFound {
-    /// Of races against itself.
-    Races(RacesFound),
+    /// Of interleaved sets against itself.
+    InterleavedSets(InterleavedSetsFound),
     /// Of fresh rays beside repeated ones.
     FreshRays(FreshFound),
 }
 
-/// What came of races against itself.
+/// What came of interleaved sets against itself.
 #[derive(Debug, Serialize)]
-pub struct RacesFound {
-    /// Races.
+pub struct InterleavedSetsFound {
+    /// Interleaved sets.
     pub count: usize,
-    /// Rounds of the shortest and of the longest race.
+    /// Rounds of the shortest and of the longest interleaved set.
     pub rounds: [usize; 2],
     /// Threads of another job beside.
     pub load_threads: usize,
@@ -110,13 +110,13 @@ impl Tally {
             Answer::Longer => self.longer += 1,
             Answer::Shorter => self.shorter += 1,
             Answer::Same => self.same += 1,
-            Answer::Undecided(doubt) => self.doubt(&doubt),
+            Answer::Undecided(caveat) => self.caveat(&caveat),
         }
         self
     }
 
-    fn doubt(&mut self, doubt: &Doubt) {
-        let reason = doubt.to_string();
+    fn caveat(&mut self, caveat: &Caveat) {
+        let reason = caveat.to_string();
         self.undecided += 1;
         match self.reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, count)) => *count += 1,
@@ -124,7 +124,7 @@ impl Tally {
         }
     }
 
-    fn words(&self) -> String {
+    fn describe(&self) -> String {
         let Self { longer, shorter, same, undecided, reasons } = self;
         let reasons: Vec<String> = reasons.iter().map(|(reason, count)| format!("{count}: {reason}")).collect();
         let why = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join("; ")) };
@@ -132,25 +132,27 @@ impl Tally {
     }
 }
 
-/// Runs the races; the slowed one stands last.
+/// Runs the interleaved sets; the slowed one stands last.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub fn execute(plan: &Plan, tried: ClockTrial, context: &Context<'_>) -> Result<ClockFound, RunError> {
     let repeats = [REPEATS, REPEATS, tried.slowed];
-    let trials = beside(tried.load, plan.seed, || measure::against_itself(plan, &repeats, tried.races, context))?;
+    let trials =
+        beside(tried.load, plan.seed, || measure::against_itself(plan, &repeats, tried.interleaved_sets, context))?;
     // Of the equal ones, and of the slowed one beside the first.
     let [equal, slowed] = [1, 2].map(|lane| {
         let answer = |trial: &Trial| {
-            let drift = trial.race.drift.then(|| trial.race.work.clone());
+            let drift = trial.interleaved_set.drift.then(|| trial.interleaved_set.work.clone());
             let (one, other) = (&trial.samples_ms[lane], &trial.samples_ms[0]);
-            Paired::in_race(one, other, drift, trial.void.clone()).answer(MARGIN)
+            Paired::in_interleaved_set(one, other, drift, trial.invalid.clone()).answer(MARGIN)
         };
         trials.iter().map(answer).fold(Tally::default(), Tally::add)
     });
-    let rounds =
-        |pick: fn(usize, usize) -> usize| trials.iter().map(|trial| trial.race.orders.len()).reduce(pick).unwrap_or(0);
-    Ok(ClockFound::Races(RacesFound {
+    let rounds = |pick: fn(usize, usize) -> usize| {
+        trials.iter().map(|trial| trial.interleaved_set.orders.len()).reduce(pick).unwrap_or(0)
+    };
+    Ok(ClockFound::InterleavedSets(InterleavedSetsFound {
         count: trials.len(),
         rounds: [rounds(usize::min), rounds(usize::max)],
         load_threads: tried.load,
@@ -160,7 +162,7 @@ pub fn execute(plan: &Plan, tried: ClockTrial, context: &Context<'_>) -> Result<
     }))
 }
 
-/// The times of contenders that are all the same, one line a round, in the order in which they were sampled.
+/// The times of configurations that are all the same, one line a round, in the order in which they were sampled.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
@@ -168,9 +170,9 @@ pub fn record(plan: &Plan, kind: &str, load: usize, context: &Context<'_>) -> Re
     let trials = beside(load, plan.seed, || measure::against_itself(plan, &[1; RECORDED], 1, context))?;
     let mut text = String::new();
     for trial in &trials {
-        let first = trial.race.lanes.len() - RECORDED - trial.race.twice.len();
-        let kernel = trial.race.kernels.first().map_or(&[][..], |kernel| &kernel.samples_ms);
-        for (round, order) in trial.race.orders.iter().enumerate() {
+        let first = trial.interleaved_set.participants.len() - RECORDED - trial.interleaved_set.doubled_work.len();
+        let kernel = trial.interleaved_set.kernels.first().map_or(&[][..], |kernel| &kernel.samples_ms);
+        for (round, order) in trial.interleaved_set.orders.iter().enumerate() {
             let _ = write!(text, "{kind},{:.4}", kernel.get(round).copied().unwrap_or_default());
             let slots = order.iter().filter_map(|lane| trial.samples_ms.get((*lane as usize).checked_sub(first)?));
             for samples in slots {
@@ -188,12 +190,12 @@ pub fn record(plan: &Plan, kind: &str, load: usize, context: &Context<'_>) -> Re
 /// [`RunError`] as its variants say.
 pub fn repeats(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<ClockFound, RunError> {
     let [fresh, repeated] = measure::fresh_and_repeated(plan, seeds, context)?;
-    let found = Paired::in_race(&fresh, &repeated, None, None);
+    let found = Paired::in_interleaved_set(&fresh, &repeated, None, None);
     let said = match found.answer(MARGIN) {
         Answer::Longer => "fresh rays take longer".to_owned(),
         Answer::Shorter => "fresh rays take shorter".to_owned(),
         Answer::Same => "the same".to_owned(),
-        Answer::Undecided(doubt) => format!("undecided: {doubt}"),
+        Answer::Undecided(caveat) => format!("undecided: {caveat}"),
     };
     Ok(ClockFound::FreshRays(FreshFound {
         seeds,
@@ -204,7 +206,7 @@ pub fn repeats(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<ClockFo
     }))
 }
 
-/// Contenders of a recording.
+/// Configurations of a recording.
 const RECORDED: usize = 4;
 
 impl ClockRecord {
@@ -225,13 +227,20 @@ impl ClockRecord {
     pub fn text(&self) -> String {
         let (tracer, rays) = (&self.tracer, &self.rays);
         match &self.found {
-            ClockFound::Races(found) => {
-                let RacesFound { count, rounds: [least, most], load_threads, slowed_by_percent, equal, slowed } = found;
+            ClockFound::InterleavedSets(found) => {
+                let InterleavedSetsFound {
+                    count,
+                    rounds: [least, most],
+                    load_threads,
+                    slowed_by_percent,
+                    equal,
+                    slowed,
+                } = found;
                 format!(
-                    "{tracer}: {count} races of {least} to {most} rounds, {load_threads} threads of another job beside\n  \
+                    "{tracer}: {count} interleaved sets of {least} to {most} rounds, {load_threads} threads of another job beside\n  \
                      equal: {}\n  slowed by {slowed_by_percent:.1} %: {}\n",
-                    equal.words(),
-                    slowed.words(),
+                    equal.describe(),
+                    slowed.describe(),
                 )
             }
             ClockFound::FreshRays(FreshFound { seeds, rounds, fresh_over_repeated, interval, said }) => {

@@ -2,7 +2,6 @@
 //! [`crate::measure`]'s.
 
 pub mod clock;
-pub mod exact;
 pub mod explain;
 pub mod need;
 pub mod pareto;

@@ -16,7 +16,7 @@ use super::{Ray64, RayFrame, TrueHit, intersect};
 const PADDING: f64 = 1e-9;
 
 /// A direction component below this has no finite inverse that is worth having.
-const LEAST_COMPONENT: f64 = 1e-200;
+const MIN_COMPONENT: f64 = 1e-200;
 
 /// The hierarchy.
 pub struct Hierarchy {
@@ -90,11 +90,7 @@ pub(super) struct Slabs {
 impl Slabs {
     pub(super) fn new(ray: &Ray64, padding: f64) -> Self {
         let invert = |component: f64| {
-            if component.abs() < LEAST_COMPONENT {
-                1.0_f64.copysign(component) / LEAST_COMPONENT
-            } else {
-                1.0 / component
-            }
+            if component.abs() < MIN_COMPONENT { 1.0_f64.copysign(component) / MIN_COMPONENT } else { 1.0 / component }
         };
         let inverse = DVec3::from(ray.direction.to_array().map(invert));
         // The origin may lie far outside of the scene; its rounding counts too.

@@ -40,7 +40,7 @@ pub(crate) const MOVES: usize = 8;
 /// The least coordinate, in scene diagonals, whose ulps count: next to the coordinates' origin the ulps of an origin's
 /// own coordinates shrink below what even f64 tells. No larger than that needs, so that fine things in large scenes keep
 /// their edges.
-const LEAST_COORDINATE_DIAGONALS: f64 = 1e-4;
+const MIN_COORDINATE_DIAGONALS: f64 = 1e-4;
 
 /// Rays of each set that are audited by brute force, at most; fewer in large scenes, but never fewer than four.
 const AUDITED_RAYS: usize = 32;
@@ -267,7 +267,7 @@ impl Truth {
     /// The rays that rounding may make of a ray, in the order of [`Answer::perturbed`].
     fn moved(&self, ray: &Ray64) -> [Ray64; MOVES] {
         let step = |largest: f64| MOVED_ULPS * f64::from((largest as f32).next_up() - largest as f32);
-        let largest = ray.origin.abs().max_element().max(LEAST_COORDINATE_DIAGONALS * self.diagonal);
+        let largest = ray.origin.abs().max_element().max(MIN_COORDINATE_DIAGONALS * self.diagonal);
         let (across, upward) = ray.direction.normalize_or_zero().any_orthonormal_pair();
         let of_end = |end: f64| Some(step(end.abs().max(largest))).filter(|step| step.is_finite()).unwrap_or(0.0);
         let (near, far) = (of_end(ray.t_min), of_end(ray.t_max));

@@ -22,7 +22,7 @@ const SIGHT_RAYS: u32 = 16;
 /// Share of these that must hit something.
 const SIGHT_SHARE: f64 = 0.1;
 /// Headings into which an eye inside may move.
-const WAYS: u32 = 8;
+const UPDATE_MODES: u32 = 8;
 /// Turns of an eye outside, degrees.
 const TURNS: [f64; 3] = [90.0, 180.0, 270.0];
 
@@ -37,7 +37,7 @@ pub fn other(own: &Pose, cameras: &[Camera], truth: &Truth) -> Option<Pose> {
 fn will_do(own: &Pose, other: &Pose, truth: &Truth) -> bool {
     let apart = f64::from(own.eye.distance(other.eye)) >= APART_DIAGONALS * truth.diagonal();
     let within = inside(truth, other.eye) || !inside(truth, own.eye);
-    apart && within && sight(other, truth) >= SIGHT_SHARE
+    apart && within && sampling_model(other, truth) >= SIGHT_SHARE
 }
 
 fn inside(truth: &Truth, eye: Vec3) -> bool {
@@ -46,7 +46,7 @@ fn inside(truth: &Truth, eye: Vec3) -> bool {
 }
 
 /// The share of a square of rays round the line of sight that hits something.
-fn sight(pose: &Pose, truth: &Truth) -> f64 {
+fn sampling_model(pose: &Pose, truth: &Truth) -> f64 {
     let (forward, right, up) = frame(pose);
     let reach = f64::from(pose.vertical_fov / 2.0).tan();
     let across = |step: u32| reach * (2.0 * (f64::from(step) + 0.5) / f64::from(SIGHT_RAYS) - 1.0);
@@ -76,13 +76,14 @@ fn moved(own: &Pose, truth: &Truth) -> Vec<Pose> {
     let seen = look(truth, eye, forward).map_or(truth.diagonal() / 2.0, |(distance, _)| distance);
     let target = eye + forward * seen;
     let heading = |way: u32| {
-        DMat3::from_axis_angle(vertical(own), std::f64::consts::TAU * f64::from(way) / f64::from(WAYS)) * right
+        DMat3::from_axis_angle(vertical(own), std::f64::consts::TAU * f64::from(way) / f64::from(UPDATE_MODES)) * right
     };
     let half = |direction: DVec3| {
         let free = look(truth, eye, direction).map_or(f64::INFINITY, |(distance, _)| distance);
         free.min(to_bounds(truth, eye, direction)) / 2.0
     };
-    let mut ways: Vec<(f64, DVec3)> = (0..WAYS).map(heading).map(|direction| (half(direction), direction)).collect();
+    let mut ways: Vec<(f64, DVec3)> =
+        (0..UPDATE_MODES).map(heading).map(|direction| (half(direction), direction)).collect();
     ways.sort_by(|a, b| b.0.total_cmp(&a.0));
     let pose = |(way, direction): (f64, DVec3)| Pose {
         name: "found: moved".to_owned(),

@@ -7,7 +7,7 @@ impl Bench {
     fn even_run(&self, out: &str) -> Value {
         let mut run =
             self.run(&["--tracer", "bvh-cpu,bvh-cpu@build=fastest", "--rays", "primary,ao", "--samples", "20"], out);
-        for one in run["runs"].as_array_mut().unwrap() {
+        for one in run["rows"].as_array_mut().unwrap() {
             set_times(&mut one["build"], 20.0);
             ["first", "steady"].into_iter().for_each(|whole| set_times(&mut one["build"][whole], 20.0));
             for trace in one["traces"].as_array_mut().unwrap() {
@@ -94,7 +94,7 @@ fn planted_changes_are_found() {
         bench.write_run(&changed, "b");
         bench.call(&[&["compare", "a", "b"][..], arguments].concat())
     };
-    let slower = |run: &mut Value| set_times(&mut run["runs"][1]["traces"][0], 6.0);
+    let slower = |run: &mut Value| set_times(&mut run["rows"][1]["traces"][0], 6.0);
     let outcome = held(&slower, &[]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.stdout.contains("- room bvh-cpu build=fastest primary: **slower**, ratio 0.833 ["), "{outcome:?}");
@@ -102,11 +102,11 @@ fn planted_changes_are_found() {
     assert_eq!(outcome.status, 1, "{outcome:?}");
     assert!(outcome.stderr.contains("1 got worse: room bvh-cpu build=fastest primary: slower"), "{outcome:?}");
     assert_eq!(held(&slower, &["--fail-on-regression", "--threshold", "30"]).status, 0);
-    let faster = |run: &mut Value| set_times(&mut run["runs"][0]["build"]["first"], 10.0);
+    let faster = |run: &mut Value| set_times(&mut run["rows"][0]["build"]["first"], 10.0);
     let outcome = held(&faster, &["--fail-on-regression"]);
     assert!(outcome.status == 0 && outcome.stdout.contains("bvh-cpu: build faster"), "{outcome:?}");
     let lost = |run: &mut Value| {
-        let verdict = &mut run["runs"][0]["traces"][0]["judgement"];
+        let verdict = &mut run["rows"][0]["traces"][0]["judgement"];
         verdict["agreement"]["tight"] = json!(0.5);
         verdict["interval"]["tight"] = json!([0.45, 0.55]);
         let classes = &mut verdict["classes"]["tight"];
@@ -116,7 +116,7 @@ fn planted_changes_are_found() {
     let outcome = held(&lost, &["--fail-on-regression"]);
     assert!(outcome.status == 1 && outcome.stderr.contains("less accurate by tight"), "{outcome:?}");
     let bytes = |run: &mut Value| {
-        let memory = &mut run["runs"][0]["memory"];
+        let memory = &mut run["rows"][0]["memory"];
         memory["structure"] = json!([{ "name": "nodes", "allocated_bytes": 12_345_678, "used_bytes": 1 }]);
         memory["structure_bytes"] = json!(12_345_678);
     };
@@ -125,7 +125,7 @@ fn planted_changes_are_found() {
     let machine = |run: &mut Value| run["machine"]["cpu"] = json!("another one");
     assert!(held(&machine, &[]).stdout.contains("**differs**, processor: "));
     let scene = |run: &mut Value| {
-        for one in run["runs"].as_array_mut().unwrap() {
+        for one in run["rows"].as_array_mut().unwrap() {
             one["scene"]["sha256"] = json!("0".repeat(64));
         }
     };
@@ -145,10 +145,12 @@ fn wrong_comparisons() {
     bench.fails(&["compare", "good", "good", "--threshold", "-5"], 2, &["--threshold", "0 to 1000"]);
     bench.fails(&["compare", "good", "nowhere"], 1, &["nowhere", "run.json"]);
     bench.fails(&["compare", "nowhere/run.json", "good"], 1, &["nowhere"]);
-    std::fs::write(bench.path("cut.json"), "{\"schema\": 2, ").unwrap();
+    std::fs::write(bench.path("cut.json"), "{\"schema\": 3, ").unwrap();
     bench.fails(&["compare", "good", "cut.json"], 1, &["cut.json", "not a whole JSON"]);
     std::fs::write(bench.path("old.json"), "{\"schema\": 1}").unwrap();
-    bench.fails(&["compare", "old.json", "good"], 1, &["old.json", "schema 1", "reads schema 2"]);
+    bench.fails(&["compare", "old.json", "good"], 1, &["old.json", "schema 1", "reads schema 3", "run again"]);
+    std::fs::write(bench.path("old.json"), "{\"schema\": 2}").unwrap();
+    bench.fails(&["compare", "old.json", "good"], 1, &["schema 2", "reads schema 3", "--example convert_record"]);
     std::fs::write(bench.path("other.json"), "{}").unwrap();
     bench.fails(&["compare", "good", "other.json"], 1, &["other.json", "no \"schema\""]);
     let mut earlier = bench.result("good");
@@ -163,11 +165,11 @@ fn wrong_comparisons() {
     for (samples, median, part) in [
         (json!([]), 0.0, "no times"),
         (json!([1.0, 0.0]), 0.5, "no times"),
-        (json!([2.0, -1.0]), 0.5, "`runs[0].traces[0].samples_ms[1]` is -1.0 and must be 0 or more"),
-        (json!([2.0]), 3.0, "`runs[0].traces[0].median_ms` must be the median of `samples_ms`"),
+        (json!([2.0, -1.0]), 0.5, "`rows[0].traces[0].samples_ms[1]` is -1.0 and must be 0 or more"),
+        (json!([2.0]), 3.0, "`rows[0].traces[0].median_ms` must be the median of `samples_ms`"),
     ] {
         let mut run = bench.result("good");
-        let trace = &mut run["runs"][0]["traces"][0];
+        let trace = &mut run["rows"][0]["traces"][0];
         (trace["samples_ms"], trace["phases"], trace["mrays_per_s"]) = (samples, json!([]), json!(0));
         (trace["median_ms"], trace["interval_ms"]) = (json!(median), json!([0.0, 3.0]));
         std::fs::write(bench.path("timeless.json"), run.to_string()).unwrap();

@@ -14,18 +14,18 @@ fn records_that_nothing_measured() {
     };
     change("/seed", json!(2));
     assert_eq!(bench.call(&["report", "changed.json"]).status, 0, "the change of nothing that matters");
-    let agreement = "/runs/0/traces/0/judgement/agreement/footprint";
+    let agreement = "/rows/0/traces/0/judgement/agreement/footprint";
     for (path, value, part) in [
-        ("/runs", json!([]), "no rows"),
-        (agreement, json!(1.5), "`runs[0].traces[0].judgement.agreement.footprint` is 1.5 and must be a share"),
+        ("/rows", json!([]), "no rows"),
+        (agreement, json!(1.5), "`rows[0].traces[0].judgement.agreement.footprint` is 1.5 and must be a share"),
         (agreement, json!(-0.1), "is -0.1 and must be a share"),
-        (agreement, json!(0.5), "`runs[0].traces[0].judgement.agreement.footprint` must be in its interval"),
-        ("/runs/0/traces/0/judgement/interval/tight", json!([1.0, 0.0]), "must be in its interval"),
-        ("/runs/0/traces/0/median_ms", json!(-3.0), "`runs[0].traces[0].median_ms` is -3.0 and must be 0 or more"),
-        ("/runs/0/build/samples_ms/0", json!(-3.0), "`runs[0].build.samples_ms[0]` is -3.0"),
-        ("/runs/0/traces/0/count", json!(-3), "`runs[0].traces[0].count` is -3"),
+        (agreement, json!(0.5), "`rows[0].traces[0].judgement.agreement.footprint` must be in its interval"),
+        ("/rows/0/traces/0/judgement/interval/tight", json!([1.0, 0.0]), "must be in its interval"),
+        ("/rows/0/traces/0/median_ms", json!(-3.0), "`rows[0].traces[0].median_ms` is -3.0 and must be 0 or more"),
+        ("/rows/0/build/samples_ms/0", json!(-3.0), "`rows[0].build.samples_ms[0]` is -3.0"),
+        ("/rows/0/traces/0/count", json!(-3), "`rows[0].traces[0].count` is -3"),
         ("/control_names", json!([]), "`control_names` is empty and must be filled"),
-        ("/runs/0/build/steady/samples_ms/0", json!(-3.0), "`runs[0].build.steady.samples_ms[0]` is -3.0"),
+        ("/rows/0/build/steady/samples_ms/0", json!(-3.0), "`rows[0].build.steady.samples_ms[0]` is -3.0"),
     ] {
         change(path, value);
         for words in [&["report", "changed.json"][..], &["compare", "out", "changed.json"]] {
@@ -58,7 +58,8 @@ fn small_files_that_unpack_to_large_ones() {
     );
 }
 
-/// Proves that a folder with another verb's record is refused before anything is measured, and left as it is; the same verb writes over its own.
+/// Proves that a folder with another verb's record is refused before anything is measured, and left as it is; the same verb writes over its
+/// own.
 #[test]
 fn records_of_other_verbs_are_kept() {
     let bench = Bench::new();

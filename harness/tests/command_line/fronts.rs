@@ -18,8 +18,8 @@ const SMALL: [&str; 9] = [
     "bvh-cpu,bvh-cpu:improved,screen-dda",
 ];
 
-fn fronts<'a>(further: &[&'a str]) -> Vec<&'a str> {
-    [&["pareto"][..], &SMALL, &["--points", "3", "--rays", "diffuse"], further].concat()
+fn fronts<'a>(adaptive: &[&'a str]) -> Vec<&'a str> {
+    [&["pareto"][..], &SMALL, &["--points", "3", "--rays", "diffuse"], adaptive].concat()
 }
 
 /// Every row's tracer, viewpoint and answers.
@@ -31,9 +31,9 @@ fn answers(run: &Value) -> BTreeSet<String> {
             .iter()
             .flat_map(|trace| [&trace["rays_sha256"], &trace["hits_sha256"]])
             .collect();
-        format!("{} {} {} {} {traces:?}", row["scene"]["name"], row["viewpoint"], row["tracer"], row["way"])
+        format!("{} {} {} {} {traces:?}", row["scene"]["name"], row["viewpoint"], row["tracer"], row["update_mode"])
     };
-    run["runs"].as_array().unwrap().iter().map(row).collect()
+    run["rows"].as_array().unwrap().iter().map(row).collect()
 }
 
 /// How the points were laid out: of the record what no time has a part in.
@@ -63,7 +63,7 @@ fn named_pictures(run: &Value) -> BTreeSet<String> {
 }
 
 /// Proves that fronts over a file of the user's own are measured, though broken off and gone on with on the way: every tracer has as many
-/// points as were asked for, all answer the same rays as in a run that went through; that the page answers who to take; and that
+/// points as were asked for, all answer the same rays as in a run that went through; that the page answers which to choose; and that
 /// `report` makes the same files.
 #[test]
 fn fronts_of_a_file_survive_being_killed() {
@@ -91,7 +91,7 @@ fn fronts_of_a_file_survive_being_killed() {
     let out = bench.path("out");
     let arguments = fronts(&[&scene[..], &["--out", "out"]].concat());
     let mut child = bench.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let ended = || names(&out.join("races")).iter().filter(|name| name.contains("-rays-")).count();
+    let ended = || names(&out.join("interleaved_sets")).iter().filter(|name| name.contains("-rays-")).count();
     while ended() == 0 && child.try_wait().unwrap().is_none() {
         sleep(Duration::from_millis(2));
     }
@@ -109,9 +109,11 @@ fn fronts_of_a_file_survive_being_killed() {
         let image = run["pareto"]["scenes"][0]["viewpoint"]["ray_image"].clone();
         let mut run = run.clone();
         let is_own = |row: &Value| {
-            row["viewpoint"]["eye"] == viewpoint && row["viewpoint"]["ray_image"] == image && row["way"].is_null()
+            row["viewpoint"]["eye"] == viewpoint
+                && row["viewpoint"]["ray_image"] == image
+                && row["update_mode"].is_null()
         };
-        run["runs"].as_array_mut().unwrap().retain(is_own);
+        run["rows"].as_array_mut().unwrap().retain(is_own);
         answers(&run)
     };
     assert_eq!((own(&found).len(), own(&found)), (6, own(&whole)));
@@ -174,7 +176,7 @@ fn needs_are_told_from_both_viewpoints() {
     ];
     let outcome = bench.call(&arguments.concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    // Every structure is told apart by its resolution.
+    // Every structure is distinguished by its resolution.
     let done: BTreeSet<&str> = outcome.stderr.lines().filter(|line| line.contains("screen-dda at frame ")).collect();
     assert!(done.len() > 2 && done.iter().all(|line| line.ends_with(" done")), "{outcome:?}");
     for wanted in ["# What structures need", "| screen-dda | entrance |", "| bvh-cpu | corner |", "nothing shrinks"] {
@@ -186,7 +188,7 @@ fn needs_are_told_from_both_viewpoints() {
     assert!(curves.iter().all(|curve| curve["points"][0]["shrunk"].as_object().unwrap().is_empty()));
     let out = bench.path("out");
     let before = names(&out);
-    for wanted in ["need.csv", "need_room_diffuse.svg", "traces.csv"] {
+    for wanted in ["need_room_diffuse.svg", "rows.csv"] {
         assert!(before.contains(wanted), "{before:?}");
     }
     let read = |name: &String| std::fs::read(out.join(name)).unwrap();

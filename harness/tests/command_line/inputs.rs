@@ -35,7 +35,7 @@ fn cameras_come_before_poses() {
         ("-4,0,9:0,0,0", "given", -4.0),
     ] {
         let run = bench.run(&[&["--scene", "one.glb", "--view", view][..], &PRIMARY].concat(), "out");
-        let viewpoint = &run["runs"][0]["viewpoint"];
+        let viewpoint = &run["rows"][0]["viewpoint"];
         assert_eq!((viewpoint["name"].as_str(), viewpoint["eye"][0].as_f64()), (Some(name), Some(x)), "{view}");
     }
     let out = bench.text("none");
@@ -58,12 +58,12 @@ fn files_of_one_stem_are_distinguished() {
     let scenes = ["--scene", "a/box.glb,room,b/box.glb,b/other.glb,b/box.gltf,./room.glb"];
     let run = bench.run(&[&scenes[..], &PRIMARY].concat(), "out");
     let found: Vec<&str> =
-        run["runs"].as_array().unwrap().iter().map(|row| row["scene"]["name"].as_str().unwrap()).collect();
+        run["rows"].as_array().unwrap().iter().map(|row| row["scene"]["name"].as_str().unwrap()).collect();
     assert_eq!(found, ["a/box.glb", "room", "b/box.glb", "other", "b/box.gltf", "./room.glb"]);
     let text = |name: &str| std::fs::read_to_string(bench.path("out").join(name)).unwrap();
     for name in found {
         assert_eq!(text("summary.md").matches(&format!("\n## {name} (")).count(), 1, "{name}");
-        assert!(text("traces.csv").lines().any(|line| line.split(',').any(|field| field == name)), "{name}");
+        assert!(text("rows.csv").lines().any(|line| line.split(',').any(|field| field == name)), "{name}");
     }
     assert!(names(&bench.path("out")).contains("error_vs_speed_a_box_glb.svg"), "{:?}", names(&bench.path("out")));
 }
@@ -79,7 +79,7 @@ fn scenes_have_any_path() {
     }
     let scenes = |scene: &str| -> Vec<String> {
         let run = bench.run(&[&["--scene", scene][..], &PRIMARY].concat(), "out");
-        run["runs"].as_array().unwrap().iter().map(|row| row["scene"]["name"].as_str().unwrap().to_owned()).collect()
+        run["rows"].as_array().unwrap().iter().map(|row| row["scene"]["name"].as_str().unwrap().to_owned()).collect()
     };
     assert_eq!(scenes("one,two.glb"), ["one,two"]);
     assert_eq!(scenes(" spaced .glb"), [" spaced "]);
@@ -95,7 +95,7 @@ fn scenes_have_any_path() {
         call.push(odd);
         let outcome = bench.call(&call);
         assert_eq!(outcome.status, 0, "{outcome:?}");
-        assert_eq!(bench.result("odd")["runs"][0]["scene"]["triangles"], 1);
+        assert_eq!(bench.result("odd")["rows"][0]["scene"]["triangles"], 1);
     }
 }
 
@@ -165,8 +165,8 @@ fn what_pops_in_is_there_when_it_is() {
     std::fs::write(bench.path("pop.glb"), popping()).unwrap();
     let scene = ["--scene", "pop.glb", "--view", "1,0,9:1,0,0"];
     for (time, triangles) in [("0", 1), ("1", 2), ("0.5", 2)] {
-        let run = bench.run(&[&scene[..], &["--time", time], &PRIMARY].concat(), "out");
-        let found = &run["runs"][0]["scene"];
+        let run = bench.run(&[&scene[..], &["--animation-time", time], &PRIMARY].concat(), "out");
+        let found = &run["rows"][0]["scene"];
         assert_eq!(found["triangles"], triangles, "{time}");
         assert_eq!(found["warnings"].as_array().unwrap().len(), 2 - triangles, "{found}");
         let page = std::fs::read_to_string(bench.path("out/summary.md")).unwrap();
@@ -190,7 +190,7 @@ fn what_pops_in_is_there_when_it_is() {
     let outcome = bench.call(&table);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let run = bench.result("frames");
-    assert!(run["runs"].as_array().unwrap().iter().all(|row| row["scene"]["triangles"] == 2));
+    assert!(run["rows"].as_array().unwrap().iter().all(|row| row["scene"]["triangles"] == 2));
 }
 
 /// Proves that a view of nothing says so in every verb and shows no share of right answers, and that a view of something shows it.

@@ -39,8 +39,8 @@ struct Outcome {
     page: String,
 }
 
-/// The most lines that a verb ends with, but for lists, JSON and texts that stand in no page.
-const MOST_LINES: usize = 25;
+/// The most lines that a verb ends with, but for lists, JSON and texts that are in no page.
+const MAX_LINES: usize = 25;
 
 /// A folder to work in, with a cache of its own.
 struct Bench {
@@ -69,7 +69,7 @@ impl Bench {
         // Tests run beside one another and time nothing that counts.
         command.env("TRACEBENCH_LOCK", "");
         // No probe, whose answer may differ from call to call on a busy machine.
-        command.env("TRACEBENCH_MEANS", "buffer,1");
+        command.env("TRACEBENCH_LAUNCH", "buffer,1");
         command
     }
 
@@ -80,7 +80,7 @@ impl Bench {
         let page = last.map(|path| command.get_current_dir().unwrap_or(Path::new(".")).join(path));
         let page = page.and_then(|path| std::fs::read_to_string(path).ok()).unwrap_or_default();
         let whole = ["list", "compare", "docs", "--json", "--help"];
-        let is_short = stdout.lines().count() <= MOST_LINES
+        let is_short = stdout.lines().count() <= MAX_LINES
             || command.get_args().any(|word| whole.iter().any(|name| word == *name));
         assert!(is_short, "{command:?}: {stdout}");
         let stderr = String::from_utf8(output.stderr).unwrap();

@@ -43,8 +43,8 @@ fn bench() -> Bench {
 
 /// Proves of a verb that every name which it writes is refused where the user's file has it: all at once and one after the other, as files,
 /// as links to files, and as folders that are links; that it says so, and that what is there stays to the byte, with nothing beside it; and
-/// that over its own files it goes well (the negative control). `further` names come and go while it works.
-fn spares(bench: &Bench, words: &[&str], further: &[&str]) {
+/// that over its own files it goes well (the negative control). `adaptive` names come and go while it works.
+fn spares(bench: &Bench, words: &[&str], adaptive: &[&str]) {
     let call = |out: &str| bench.call(&[&["--quiet"], words, &["--out", out]].concat());
     for _ in 0..2 {
         let outcome = call("own");
@@ -53,7 +53,7 @@ fn spares(bench: &Bench, words: &[&str], further: &[&str]) {
     let own = tree(&bench.path("own"));
     let written: Vec<&str> =
         own.keys().map(String::as_str).filter(|name| !name.ends_with('/') && *name != LIST).collect();
-    let all: Vec<&str> = written.iter().chain(further).copied().collect();
+    let all: Vec<&str> = written.iter().chain(adaptive).copied().collect();
     let refused = |out: &str, names: &[&str], what: &str| {
         let before = tree(&bench.path(out));
         let outcome = call(out);
@@ -107,7 +107,8 @@ fn spares(bench: &Bench, words: &[&str], further: &[&str]) {
 }
 
 /// What every verb that measures has for a while, or had in older forms.
-const RACES: [&str; 4] = ["races/plan.json", "races/mine.txt", "pictures/mine.png", "run.json.gz"];
+const RACES: [&str; 4] =
+    ["interleaved_sets/plan.json", "interleaved_sets/mine.txt", "pictures/mine.png", "run.json.gz"];
 
 #[test]
 fn run_spares() {
@@ -180,7 +181,7 @@ fn clock_spares() {
         "one.glb",
         "--tracer",
         "bvh-cpu",
-        "--races",
+        "--interleaved-sets",
         "1",
         "--samples",
         "1",
@@ -250,7 +251,7 @@ fn a_record_vouches_for_what_derives_from_it() {
         std::fs::remove_file(out.join(page)).unwrap();
         whole(verb);
         std::fs::remove_file(out.join(LIST)).unwrap();
-        std::fs::remove_file(out.join("table_bvh.csv")).unwrap();
+        std::fs::remove_file(out.join("rows.csv")).unwrap();
         std::fs::write(out.join(page), "mine").unwrap();
         bench.fails(&[&["--quiet"], verb].concat(), 1, &[page, "not on the list"]);
         assert_eq!(std::fs::read_to_string(out.join(page)).unwrap(), "mine");
@@ -360,8 +361,8 @@ fn single_files_are_spared() {
     }
 }
 
-/// Proves that a folder that `results/pack.sh` has packed is reported on as before and measured over, and that the script removes nothing that
-/// is not on the list as it is.
+/// Proves that a folder that `results/pack.sh` has packed is reported on as before and measured over, and that the script removes nothing
+/// that is not on the list as it is.
 #[cfg(unix)]
 #[test]
 fn packed_results_stay_the_programs() {
@@ -379,21 +380,21 @@ fn packed_results_stay_the_programs() {
     std::fs::create_dir(bench.path("theirs")).unwrap();
     theirs.iter().for_each(|name| plant(&bench.path("theirs"), name));
     plant(&out, "mine.png");
-    std::fs::write(out.join("traces.csv"), "mine").unwrap();
+    std::fs::write(out.join("rows.csv"), "mine").unwrap();
     let before = tree(&bench.path("theirs"));
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/pack.sh");
     let packed = Command::new("bash").arg(&script).args([&out, &bench.path("theirs")]).output().unwrap();
     assert!(packed.status.success(), "{packed:?}");
     assert!(tree(&bench.path("theirs")) == before, "files without a list were touched");
     let found = tree(&out);
-    assert!(found["mine.png"] == b"mine: mine.png" && found["traces.csv"] == b"mine");
+    assert!(found["mine.png"] == b"mine: mine.png" && found["rows.csv"] == b"mine");
     let left: Vec<&str> = found.keys().map(String::as_str).filter(|name| whole.contains_key(*name)).collect();
     assert_eq!(
         left,
-        ["figure_dirt_figure10_one.svg", "table_dirt_figure10.md", LIST, "traces.csv", "verdicts_dirt_figure10.json"]
+        ["figure_dirt_figure10_one.svg", "rows.csv", "table_dirt_figure10.md", LIST, "verdicts_dirt_figure10.json"]
     );
     assert!(found.contains_key("run.json.gz"));
-    std::fs::remove_file(out.join("traces.csv")).unwrap();
+    std::fs::remove_file(out.join("rows.csv")).unwrap();
     std::fs::remove_file(out.join("mine.png")).unwrap();
     // What was left out is made again, to the byte.
     let outcome = bench.call(&["--quiet", "report", "out"]);

@@ -42,7 +42,7 @@ fn several_records_are_one_page() {
 fn records_that_are_none() {
     let bench = Bench::new();
     bench.run(&["--tracer", "bvh-cpu", "--rays", "primary"], "good");
-    for (folder, text) in [("empty", ""), ("cut", "{\"schema\": 2, \"mach")] {
+    for (folder, text) in [("empty", ""), ("cut", "{\"schema\": 3, \"mach")] {
         std::fs::create_dir(bench.path(folder)).unwrap();
         if !text.is_empty() {
             std::fs::write(bench.path(folder).join("run.json"), text).unwrap();

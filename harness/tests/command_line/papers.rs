@@ -30,9 +30,9 @@ fn a_figure_over_parameters() {
     }
     let run = bench.result("out");
     assert_eq!(run["table"], "dirt-figure10");
-    let runs = run["runs"].as_array().unwrap();
-    let labels: BTreeSet<String> = runs.iter().map(|one| one["tracer"]["parameters"].to_string()).collect();
-    assert_eq!((runs.len(), labels.len()), (15, 15));
+    let rows = run["rows"].as_array().unwrap();
+    let labels: BTreeSet<String> = rows.iter().map(|one| one["tracer"]["parameters"].to_string()).collect();
+    assert_eq!((rows.len(), labels.len()), (15, 15));
     let verdicts = "out/verdicts_dirt_figure10.json";
     let judged: Value = serde_json::from_slice(&std::fs::read(bench.path(verdicts)).unwrap()).unwrap();
     for each in judged.as_array().unwrap() {
@@ -44,7 +44,7 @@ fn a_figure_over_parameters() {
             let parameters = &one["tracer"]["parameters"];
             parameters["tile_size"] == tile_size && parameters["buckets"] == buckets
         };
-        runs.iter().find(is_row).unwrap()["structure_statistics"]["references"].as_f64().unwrap()
+        rows.iter().find(is_row).unwrap()["structure_statistics"]["references"].as_f64().unwrap()
     };
     let saved = [16, 24, 32, 40].map(|buckets| 100.0 * (1.0 - references("2", buckets) / references("1", buckets)));
     let found = judged.as_array().unwrap().iter().find(|each| each["claim"]["id"] == "dirt-samples-2x2").unwrap();
@@ -65,22 +65,24 @@ fn a_figure_over_parameters() {
     }
 }
 
-/// Proves that steps over resolution stand in one run, frame and faces growing along, traced to surfaces where memory is those'
-/// too; that a table without traces tells no times; and that a paper's claims are set together from several runs, with every claim in the text and in the files.
+/// Proves that steps over resolution are in one run, frame and faces growing along, traced to surfaces where memory is those'
+/// too; that a table without traces tells no times; and that a paper's claims are set together from several runs, with every claim in the
+/// text and in the files.
 #[test]
 fn a_figure_over_resolution_and_all_claims() {
     let bench = bench();
     let outcome = table(&bench, "dirt-figure11", "memory", &[]);
     assert!(outcome.page.contains("references"), "{outcome:?}");
     let run = bench.result("memory");
-    let runs = run["runs"].as_array().unwrap();
+    let rows = run["rows"].as_array().unwrap();
     let sizes: Vec<Value> =
-        runs.iter().map(|one| json!([one["viewpoint"]["ray_image"], one["viewpoint"]["face"]])).collect();
+        rows.iter().map(|one| json!([one["viewpoint"]["ray_image"], one["viewpoint"]["face"]])).collect();
     // Both methods at every resolution.
     let expected = [json!([[4, 2], 16]), json!([[8, 4], 32]), json!([[16, 8], 64]), json!([[32, 16], 128])];
     assert_eq!(sizes, expected.iter().flat_map(|size| [size.clone(), size.clone()]).collect::<Vec<_>>());
     assert!(
-        runs.iter().all(|one| one["traces"].as_array().unwrap().len() == 1 && one["traces"][0]["end"] == "surface")
+        rows.iter()
+            .all(|one| one["traces"].as_array().unwrap().len() == 1 && one["traces"][0]["trace_to"] == "surface")
     );
     // Without traces there is no accuracy, so no time either.
     let outcome = table(&bench, "dirt-table3", "bytes", &[]);
@@ -125,10 +127,10 @@ fn steps_about_rays() {
     let rows = [
         "quadtree.layers=1",
         "quadtree.secondary_samples=0",
-        "quadtree.reads=buffer",
+        "quadtree.memory_access=buffer",
         "quadtree.rays_per_lane=1",
         "screen-dda.layers=1",
-        "screen-dda.reads=buffer",
+        "screen-dda.memory_access=buffer",
         "screen-dda.rays_per_lane=1",
     ];
     let only: Vec<&str> = rows.iter().flat_map(|row| ["--only", *row]).collect();
@@ -140,7 +142,7 @@ fn steps_about_rays() {
         let said = &one["viewpoint"]["ray_parameters"];
         json!([one["viewpoint"]["ray_image"], said.get("lens_count"), one["traces"][0]["count"]])
     };
-    let found: Vec<Value> = run["runs"].as_array().unwrap().iter().map(told).collect();
+    let found: Vec<Value> = run["rows"].as_array().unwrap().iter().map(told).collect();
     let expected = [
         json!([[16, 8], null, 512]),
         json!([[16, 8], null, 512]),
@@ -161,9 +163,9 @@ fn storages_of_the_other_paper() {
     let bench = bench();
     let outcome = table(&bench, "vvp16-table2", "bytes", &[]);
     assert!(outcome.page.contains("GTX 780 Ti") && outcome.page.contains("ledger over formula"), "{outcome:?}");
-    let runs = bench.result("bytes")["runs"].as_array().unwrap().clone();
-    assert_eq!(runs.len(), 9);
-    for run in &runs {
+    let rows = bench.result("bytes")["rows"].as_array().unwrap().clone();
+    assert_eq!(rows.len(), 9);
+    for run in &rows {
         let buckets = run["tracer"]["parameters"]["buckets"].as_f64().unwrap();
         let (words, [of_pixel, of_fragment]) = match run["tracer"]["parameters"]["storage"].as_str().unwrap() {
             "s-buffer" => ("begins and counts", [8.0, 8.0]),
@@ -187,7 +189,7 @@ fn storages_of_the_other_paper() {
     let set = ["--set", "rays.pixel_random_count=1"];
     let outcome = table(&bench, "vvp16-figure12", "variants", &set);
     assert!(outcome.page.contains("| one | dllb |") && outcome.page.contains("not available"), "{outcome:?}");
-    assert_eq!(bench.result("variants")["runs"].as_array().unwrap().len(), 15);
+    assert_eq!(bench.result("variants")["rows"].as_array().unwrap().len(), 15);
     assert!(names(&bench.path("variants")).contains("figure_vvp16_figure12.svg"));
     let outcome = bench.call(&["table", "vvp16-claims", "--from", "bytes", "variants", "--out", "claims"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
@@ -207,13 +209,13 @@ fn storages_of_the_other_paper() {
     }
     let ruins = found("vvp16-skipping-ruins");
     assert!(ruins["verdict"] == "not measured" && ruins["reason"].as_str().unwrap().contains("Ruins"), "{ruins}");
-    // On a busy machine times may be void or by another clock: then nothing is said of them.
+    // On a busy machine times may be invalid or by another clock: then nothing is said of them.
     let record = bench.result("variants");
     let of_traces = |name: &str| -> BTreeSet<String> {
-        let runs = record["runs"].as_array().unwrap().iter();
-        runs.flat_map(|run| run["traces"].as_array().unwrap()).map(|trace| trace[name].to_string()).collect()
+        let rows = record["rows"].as_array().unwrap().iter();
+        rows.flat_map(|run| run["traces"].as_array().unwrap()).map(|trace| trace[name].to_string()).collect()
     };
-    let comparable = of_traces("void") == BTreeSet::from(["null".to_owned()]) && of_traces("clock").len() == 1;
+    let comparable = of_traces("invalid") == BTreeSet::from(["null".to_owned()]) && of_traces("clock").len() == 1;
     assert_eq!(found("vvp16-bucketed-faster")["values"].as_array().unwrap().len(), usize::from(comparable));
     assert_eq!(found("vvp16-linear-buckets")["verdict"], "not measurable here");
 }
@@ -231,7 +233,7 @@ fn settings_come_on_top() {
     let run = bench.result("set");
     assert_eq!(target(&run), "inside");
     let parameters: Vec<Value> =
-        run["runs"].as_array().unwrap().iter().map(|one| one["tracer"]["parameters"].clone()).collect();
+        run["rows"].as_array().unwrap().iter().map(|one| one["tracer"]["parameters"].clone()).collect();
     assert!(parameters.iter().all(|each| each["clip"] == "plane"), "{parameters:?}");
     let sizes: Vec<&str> = parameters.iter().map(|each| each["tile_size"].as_str().unwrap()).collect();
     assert_eq!(sizes, ["1", "2"]);
@@ -249,7 +251,7 @@ fn fewer_rows_and_how_long_all_take() {
         let parameters = &one["tracer"]["parameters"];
         (parameters["tile_size"].as_str().unwrap().to_owned(), parameters["buckets"].as_u64().unwrap())
     };
-    let rows: Vec<_> = run["runs"].as_array().unwrap().iter().map(told).collect();
+    let rows: Vec<_> = run["rows"].as_array().unwrap().iter().map(told).collect();
     assert_eq!(rows, [("1".to_owned(), 8), ("4".to_owned(), 8)]);
     let before = names(bench.folder.path());
     let arguments = ["table", "dirt-figure10", "--scene", "room", "--preset", "paper", "--estimate", "few"];
@@ -276,14 +278,14 @@ fn wrong_papers() {
         (vec!["table", "dart-claims"], vec!["'dirt-claims'"]),
         (vec!["table", "dirt-claims", "--from", "nowhere", "nowhere"], vec!["twice"]),
         (vec!["table", "dirt-claims", "--from", "one.glb", "--scene", "room"], vec!["--scene"]),
-        (vec!["table", "dirt-table1", "--from", "one.glb", "two.glb"], vec!["one run"]),
+        (vec!["table", "dirt-table1", "--from", "one.glb", "two.glb"], vec!["one record"]),
     ] {
         bench.fails(&arguments, 2, &parts);
     }
     bench.fails(&["table", "dirt-claims", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
     bench.fails(&["table", "dirt-table1", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
     bench.run(&["--tracer", "bvh-cpu", "--rays", "primary"], "others");
-    bench.fails(&["table", "dirt-table1", "--from", "others"], 1, &["no tracer of this run belongs"]);
+    bench.fails(&["table", "dirt-table1", "--from", "others"], 1, &["no tracer of this record belongs"]);
     let nothing = bench.call_without_adapter(&[&["table", "dirt-table3", "--out", "out"][..], &SMALL].concat());
     assert!(nothing.status == 1 && nothing.stderr.contains("no tracer could run"), "{nothing:?}");
     assert_eq!(names(bench.folder.path()), ["cache", "one.glb", "others"].map(str::to_owned).into());

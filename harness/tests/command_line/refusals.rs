@@ -25,17 +25,17 @@ fn wrong_arguments() {
         (vec!["--size", "-4x4"], vec![]),
         (vec!["--size", "99999999999x99999999999"], vec!["--size"]),
         (vec!["--size", "16384x16384"], vec!["--size", "the most"]),
-        (vec!["--frame", "0x0"], vec!["--frame"]),
-        (vec!["--frame", "100000x1"], vec!["--frame", "16384"]),
-        (vec!["--face", "0"], vec!["--face"]),
-        (vec!["--face", "1000000"], vec!["--face"]),
+        (vec!["--frame-size", "0x0"], vec!["--frame-size"]),
+        (vec!["--frame-size", "100000x1"], vec!["--frame-size", "16384"]),
+        (vec!["--face-size", "0"], vec!["--face-size"]),
+        (vec!["--face-size", "1000000"], vec!["--face-size"]),
         (vec!["--scale", "0"], vec!["--scale", "0.001 to 64"]),
         (vec!["--scale", "NaN"], vec!["--scale"]),
         (vec!["--samples", "0"], vec!["--samples"]),
         (vec!["--samples", "-1"], vec![]),
         (vec!["--seed", "x"], vec!["--seed"]),
-        (vec!["--time", "NaN"], vec!["--time"]),
-        (vec!["--time", "inf"], vec!["--time"]),
+        (vec!["--animation-time", "NaN"], vec!["--animation-time"]),
+        (vec!["--animation-time", "inf"], vec!["--animation-time"]),
         (vec!["--set", "screen-dda.stride=0"], vec!["stride", "1 to 256"]),
         (vec!["--set", "screen-dda.thickness=NaN"], vec!["thickness", "0 to 10"]),
         (vec!["--set", "screen-dda.thickness=-1"], vec!["thickness"]),
@@ -189,7 +189,7 @@ fn outputs_that_cannot_be_written() {
         ("cut.json", "{\"schema\": 1, \"mach", "JSON"),
         ("other.json", "{\"schema\": 99}", "99"),
         ("none.json", "{}", "schema"),
-        ("fields.json", "{\"schema\": 2}", "missing field"),
+        ("fields.json", "{\"schema\": 3}", "missing field"),
     ] {
         std::fs::write(bench.path(name), text).unwrap();
         bench.fails(&["report", name], 1, &[name, part]);
@@ -262,8 +262,8 @@ fn without_an_adapter() {
     let all = run("all", "all");
     assert_eq!(all.status, 0, "{all:?}");
     let result = bench.result("all");
-    assert_eq!(result["runs"].as_array().unwrap().len(), 1);
-    assert_eq!(result["runs"][0]["tracer"]["name"], "bvh-cpu");
+    assert_eq!(result["rows"].as_array().unwrap().len(), 1);
+    assert_eq!(result["rows"][0]["tracer"]["name"], "bvh-cpu");
     let skipped = result["skipped"].as_array().unwrap();
     let names_of_skipped: Vec<&str> = skipped.iter().map(|each| each["tracer"].as_str().unwrap()).collect();
     let of_device = [
@@ -326,7 +326,7 @@ fn without_ray_queries() {
     assert!(last.contains("EXPERIMENTAL_RAY_QUERY") && last.contains("leave it out of --tracer"), "{named:?}");
     let record: Value = serde_json::from_slice(&std::fs::read(bench.path("named/run.json")).unwrap()).unwrap();
     let tracer = |part: &str, row: usize| record[part][row]["tracer"].clone();
-    assert!(tracer("runs", 0)["name"] == "bvh-cpu" && tracer("skipped", 0) == "ray-query", "{record}");
+    assert!(tracer("rows", 0)["name"] == "bvh-cpu" && tracer("skipped", 0) == "ray-query", "{record}");
     let alone = run("ray-query", "alone");
     assert_eq!((alone.status, alone.stdout.as_str()), (1, ""), "{alone:?}");
     assert!(alone.stderr.contains("ray-query") && alone.stderr.contains("EXPERIMENTAL_RAY_QUERY"), "{alone:?}");
@@ -350,7 +350,7 @@ fn one_refusal_costs_one_row() {
     assert!(last.contains("voxel-abuffer.abuffer"), "what to turn down: {last}");
     let record: Value = serde_json::from_slice(&std::fs::read(bench.path("some/run.json")).unwrap()).unwrap();
     let names_of: Vec<&str> =
-        record["runs"].as_array().unwrap().iter().map(|row| row["tracer"]["name"].as_str().unwrap()).collect();
+        record["rows"].as_array().unwrap().iter().map(|row| row["tracer"]["name"].as_str().unwrap()).collect();
     assert_eq!(names_of, ["bvh-cpu", "screen-dda"]);
     let summary = std::fs::read_to_string(bench.path("some/summary.md")).unwrap();
     assert!(summary.contains(&format!("| {refused} | room | all | ")), "{summary}");

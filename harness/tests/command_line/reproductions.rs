@@ -23,7 +23,7 @@ fn a_reproduction_keeps_its_time_and_goes_on() {
     let page = outcome.stdout.lines().last().unwrap();
     let text = std::fs::read_to_string(bench.path(page)).unwrap();
     assert!(
-        text.contains("## Left out") && text.contains("`tracebench table dirt-table1 --part --preset smoke`"),
+        text.contains("## Left out") && text.contains("`tracebench table dirt-table1 --few-rows --preset smoke`"),
         "{text}"
     );
     let first = told(&bench, "all");

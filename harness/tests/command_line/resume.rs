@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use super::*;
 
-/// A sweep over two scenes with two ray sets: twelve races or so, of points that share structures and points that do not.
+/// A sweep over two scenes with two ray sets: twelve interleaved sets or so, of points that share structures and points that do not.
 const SWEEP: [&str; 17] = [
     "sweep",
     "--quiet",
@@ -17,7 +17,7 @@ const SWEEP: [&str; 17] = [
     "smoke",
     "--size",
     "16x8",
-    "--face",
+    "--face-size",
     "32",
     "--samples",
     "1",
@@ -30,8 +30,8 @@ const SWEEP: [&str; 17] = [
     "--rays",
 ];
 
-fn sweep<'a>(further: &[&'a str]) -> Vec<&'a str> {
-    [&SWEEP[..], &["diffuse,ao"], further].concat()
+fn sweep<'a>(adaptive: &[&'a str]) -> Vec<&'a str> {
+    [&SWEEP[..], &["diffuse,ao"], adaptive].concat()
 }
 
 /// What does not depend on time, by key: hits' hashes, counters, bytes, judgements.
@@ -47,14 +47,14 @@ fn content(run: &Value) -> BTreeMap<String, String> {
         let key = format!("{} {} {}", row["scene"]["name"], row["viewpoint"]["name"], row["tracer"]);
         (key, format!("{traces:?} {used:?} {:?}", row["structure_statistics"]))
     };
-    let rows = ["runs", "controls"].into_iter().flat_map(|list| run[list].as_array().unwrap());
+    let rows = ["rows", "controls"].into_iter().flat_map(|list| run[list].as_array().unwrap());
     rows.map(row).collect()
 }
 
-/// The races that have ended in a folder, with their contents.
-pub(super) fn races(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+/// The interleaved sets that have ended in a folder, with their contents.
+pub(super) fn interleaved_sets(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let is_race = |name: &String| name.contains("-rays-") || name.contains("-builds");
-    let folder = folder.join("races");
+    let folder = folder.join("interleaved_sets");
     names(&folder)
         .into_iter()
         .filter(is_race)
@@ -63,7 +63,7 @@ pub(super) fn races(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// Proves that a sweep which is killed at five points of time and gone on with has the keys, answers, counts and bytes of one
-/// that ran through, that finished races stay as they were, and that the record says when it was gone on with.
+/// that ran through, that finished interleaved sets stay as they were, and that the record says when it was gone on with.
 #[test]
 fn what_has_ended_survives_being_killed() {
     let bench = Bench::new();
@@ -71,49 +71,49 @@ fn what_has_ended_survives_being_killed() {
     let through = content(&bench.result("through"));
     let out = bench.path("out");
     let mut kills = 0;
-    let mut further: &[&str] = &["--out", "out"];
+    let mut adaptive: &[&str] = &["--out", "out"];
     for wanted in 1..=5 {
-        let before = races(&out);
-        let mut child = bench.command(&sweep(further)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        // Killed (SIGKILL) as soon as another race has ended.
-        while races(&out).len() <= before.len() && child.try_wait().unwrap().is_none() {
+        let before = interleaved_sets(&out);
+        let mut child = bench.command(&sweep(adaptive)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // Killed (SIGKILL) as soon as another interleaved set has ended.
+        while interleaved_sets(&out).len() <= before.len() && child.try_wait().unwrap().is_none() {
             sleep(Duration::from_millis(2));
         }
         assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed for the {wanted}th time");
         child.kill().unwrap();
         child.wait().unwrap();
         kills += 1;
-        let after = races(&out);
+        let after = interleaved_sets(&out);
         for (name, contents) in &before {
             assert!(after.get(name) == Some(contents), "{name} is another one");
         }
-        further = &["--out", "out", "--resume"];
+        adaptive = &["--out", "out", "--resume"];
     }
-    // A file that was changed since is named, and stays; without it its race runs again.
-    let kept: Vec<String> = races(&out).into_keys().collect();
+    // A file that was changed since is named, and stays; without it its interleaved set runs again.
+    let kept: Vec<String> = interleaved_sets(&out).into_keys().collect();
     let last = kept.last().unwrap();
-    std::fs::write(out.join("races").join(last), "{\"lanes\":[").unwrap();
+    std::fs::write(out.join("interleaved_sets").join(last), "{\"lanes\":[").unwrap();
     let rays: Vec<&String> = kept.iter().filter(|name| name.contains("-rays-") && *name != last).collect();
     let [one, other, ..] = rays.as_slice() else { panic!("{kept:?}") };
-    std::fs::copy(out.join("races").join(one), out.join("races").join(other)).unwrap();
-    let changed = [last, *other].map(|name| format!("races/{name} (changed since it was written)"));
-    bench.fails(&sweep(further), 1, &[&changed[0], &changed[1]]);
-    assert_eq!(races(&out)[last], b"{\"lanes\":[");
-    [last, *other].iter().for_each(|name| std::fs::remove_file(out.join("races").join(name)).unwrap());
-    let outcome = bench.call(&sweep(further));
+    std::fs::copy(out.join("interleaved_sets").join(one), out.join("interleaved_sets").join(other)).unwrap();
+    let changed = [last, *other].map(|name| format!("interleaved_sets/{name} (changed since it was written)"));
+    bench.fails(&sweep(adaptive), 1, &[&changed[0], &changed[1]]);
+    assert_eq!(interleaved_sets(&out)[last], b"{\"lanes\":[");
+    [last, *other].iter().for_each(|name| std::fs::remove_file(out.join("interleaved_sets").join(name)).unwrap());
+    let outcome = bench.call(&sweep(adaptive));
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let found = bench.result("out");
-    assert!(!out.join("races").exists(), "the journal stays behind");
+    assert!(!out.join("interleaved_sets").exists(), "the journal stays behind");
     assert_eq!(found["resumed"].as_array().unwrap().len(), kills);
     assert_eq!(content(&found), through);
     // The comparison can fail.
     let mut other = found.clone();
-    other["runs"][0]["traces"][0]["hits_sha256"] = json!("");
+    other["rows"][0]["traces"][0]["hits_sha256"] = json!("");
     assert_ne!(content(&other), through);
 }
 
-/// Proves that one command serves every time: where there is nothing it begins, what was broken off it goes on with, and what is complete it
-/// leaves as it is and says so; that another plan is refused with what differs, complete or not, that a run which was broken off is not
+/// Proves that one command serves every time: where there is nothing it begins, what was broken off it goes on with, and what is complete
+/// it leaves as it is and says so; that another plan is refused with what differs, complete or not, that a run which was broken off is not
 /// overwritten, and that it is there to be gone on with after all of this.
 #[test]
 fn only_the_same_run_is_gone_on_with() {
@@ -126,14 +126,14 @@ fn only_the_same_run_is_gone_on_with() {
         .spawn()
         .unwrap();
     let out = bench.path("out");
-    while races(&out).is_empty() && child.try_wait().unwrap().is_none() {
+    while interleaved_sets(&out).is_empty() && child.try_wait().unwrap().is_none() {
         sleep(Duration::from_millis(2));
     }
     child.kill().unwrap();
     child.wait().unwrap();
     bench.fails(&sweep(&["--out", "out"]), 1, &["broken off", "--resume"]);
     bench.fails(&sweep(&["--out", "out", "--resume", "--seed", "7"]), 1, &["another plan", "seed was 1, is 7"]);
-    let plan = out.join("races/plan.json");
+    let plan = out.join("interleaved_sets/plan.json");
     let text = std::fs::read_to_string(&plan).unwrap();
     let mut begun: Value = serde_json::from_str(&text).unwrap();
     for (field, value, part) in
@@ -144,11 +144,11 @@ fn only_the_same_run_is_gone_on_with() {
         } else {
             begun[field] = value;
         }
-        write_as_the_program(&out, "races/plan.json", &begun.to_string());
+        write_as_the_program(&out, "interleaved_sets/plan.json", &begun.to_string());
         bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &[part]);
         begun = serde_json::from_str(&text).unwrap();
     }
-    write_as_the_program(&out, "races/plan.json", "xx");
+    write_as_the_program(&out, "interleaved_sets/plan.json", "xx");
     bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["cannot be read", "plan.json", "remove"]);
     std::fs::write(&plan, &text).unwrap();
     bench.fails(
@@ -161,14 +161,14 @@ fn only_the_same_run_is_gone_on_with() {
     held.lock().unwrap();
     bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["another process writes into out"]);
     drop(held);
-    // What is left of races without a plan, as where a process is killed that takes them away, is of use to nobody.
-    std::fs::create_dir_all(bench.path("left/races")).unwrap();
+    // What is left of interleaved sets without a plan, as where a process is killed that takes them away, is of use to nobody.
+    std::fs::create_dir_all(bench.path("left/interleaved_sets")).unwrap();
     std::fs::copy(out.join("tracebench.sha256"), bench.path("left/tracebench.sha256")).unwrap();
-    for (name, contents) in &races(&out) {
-        std::fs::write(bench.path("left/races").join(name), contents).unwrap();
+    for (name, contents) in &interleaved_sets(&out) {
+        std::fs::write(bench.path("left/interleaved_sets").join(name), contents).unwrap();
     }
     assert_eq!(bench.call(&sweep(&["--out", "left", "--seed", "7", "--resume"])).status, 0);
-    assert!(!bench.path("left/races").exists());
+    assert!(!bench.path("left/interleaved_sets").exists());
     assert_eq!(bench.call(&sweep(&["--out", "seventh", "--seed", "7"])).status, 0);
     assert_eq!(content(&bench.result("left")), content(&bench.result("seventh")));
     assert_eq!(bench.call(&sweep(&["--out", "out", "--resume"])).status, 0);
@@ -176,14 +176,14 @@ fn only_the_same_run_is_gone_on_with() {
     let again = bench.call(&sweep(&["--out", "out", "--resume"]));
     assert_eq!(again.status, 0, "{again:?}");
     assert!(
-        again.stderr.contains("the run in out is complete") && again.stdout.ends_with("out/sweep.md\n"),
+        again.stderr.contains("the record in out is complete") && again.stdout.ends_with("out/sweep.md\n"),
         "{again:?}"
     );
     for other in [&["--seed", "7"][..], &["--shard", "1/1"]] {
         let words = [&["--out", "out", "--resume"], other].concat();
-        bench.fails(&sweep(&words), 2, &["out holds a complete run of another plan", "leave --resume out"]);
+        bench.fails(&sweep(&words), 2, &["out holds a complete record of another plan", "leave --resume out"]);
     }
-    assert!(std::fs::read(out.join("run.json")).unwrap() == whole && !out.join("races").exists());
+    assert!(std::fs::read(out.join("run.json")).unwrap() == whole && !out.join("interleaved_sets").exists());
     // Another file under the same name is another plan, too.
     let file = |top: f32| {
         std::fs::write(bench.path("one.glb"), glb(&[[-1.0, -1.0, -3.0], [1.0, -1.0, -3.0], [0.0, top, -3.0]])).unwrap();
@@ -208,7 +208,7 @@ fn only_the_same_run_is_gone_on_with() {
     file(1.0);
     assert_eq!((bench.call(&words).status, bench.call(&resumed).status), (0, 0));
     file(0.9);
-    bench.fails(&resumed, 2, &["file holds a complete run of another plan"]);
+    bench.fails(&resumed, 2, &["file holds a complete record of another plan"]);
 }
 
 /// Proves that two shards, run in turn and joined, have the keys, answers, counts and bytes of the whole, that no scene is in
@@ -271,43 +271,43 @@ fn one_timed_process_a_machine() {
 #[test]
 fn means_are_those_of_the_plan() {
     let bench = Bench::new();
-    let run = |further: &[&'static str]| -> Vec<&'static str> {
+    let run = |adaptive: &[&'static str]| -> Vec<&'static str> {
         let run = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--scene", "room,candy"];
-        [&run[..], &["--tracer", "lbvh-gpu,bvh-cpu", "--rays", "diffuse,ao", "--out", "out"], further].concat()
+        [&run[..], &["--tracer", "lbvh-gpu,bvh-cpu", "--rays", "diffuse,ao", "--out", "out"], adaptive].concat()
     };
     // No probe gives these.
-    let mut begun = bench.command(&run(&["--means", "texture,4"]));
+    let mut begun = bench.command(&run(&["--launch", "texture,4"]));
     let mut child = begun.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let out = bench.path("out");
-    while races(&out).is_empty() && child.try_wait().unwrap().is_none() {
+    while interleaved_sets(&out).is_empty() && child.try_wait().unwrap().is_none() {
         sleep(Duration::from_millis(2));
     }
     assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed");
     child.kill().unwrap();
     child.wait().unwrap();
-    bench.fails(&run(&["--resume", "--means", "buffer,1"]), 1, &["another plan"]);
+    bench.fails(&run(&["--resume", "--launch", "buffer,1"]), 1, &["another plan"]);
     let without = |arguments: &[&str]| {
         let mut command = bench.command(arguments);
-        command.env_remove("TRACEBENCH_MEANS").stdout(Stdio::null()).status().unwrap().success()
+        command.env_remove("TRACEBENCH_LAUNCH").stdout(Stdio::null()).status().unwrap().success()
     };
     assert!(without(&run(&["--resume"])));
     let found = bench.result("out");
-    let means_of = |row: &Value| {
-        (row["tracer"]["parameters"]["reads"].clone(), row["tracer"]["parameters"]["rays_per_lane"].clone())
+    let launch_of = |row: &Value| {
+        (row["tracer"]["parameters"]["memory_access"].clone(), row["tracer"]["parameters"]["rays_per_lane"].clone())
     };
-    let rows = found["runs"].as_array().unwrap();
+    let rows = found["rows"].as_array().unwrap();
     for row in rows {
         let is_host = row["tracer"]["name"] == "bvh-cpu";
-        assert_eq!(means_of(row), if is_host { (Value::Null, Value::Null) } else { (json!("texture"), json!(4)) });
+        assert_eq!(launch_of(row), if is_host { (Value::Null, Value::Null) } else { (json!("texture"), json!(4)) });
         assert_eq!(row["tracer"]["changed"], json!([]));
     }
-    assert_eq!(found["means"], json!({ "reads": "texture", "rays_per_lane": 4 }));
+    assert_eq!(found["launch"], json!({ "memory_access": "texture", "rays_per_lane": 4 }));
 
     let probed = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--tracer", "lbvh-gpu"];
     let probed = [&probed[..], &["--set", "lbvh-gpu.rays_per_lane=7", "--rays", "diffuse", "--out", "probed"]].concat();
     assert!(without(&probed));
     let found = bench.result("probed");
-    assert_eq!(found["means"]["probe"]["gather_buffer_ms"].as_array().unwrap().len(), 15);
+    assert_eq!(found["launch"]["probe"]["gather_buffer_ms"].as_array().unwrap().len(), 15);
     // What is set stays.
-    assert_eq!(means_of(&found["runs"][0]), (found["means"]["reads"].clone(), json!(7)));
+    assert_eq!(launch_of(&found["rows"][0]), (found["launch"]["memory_access"].clone(), json!(7)));
 }

@@ -99,14 +99,15 @@ const RUN_FIELDS: [&str; 31] = [
     "/traces/0/rays",
     "/traces/0/query",
     "/traces/0/count",
-    "/traces/0/end",
+    "/traces/0/trace_to",
     "/traces/0/clock",
     "/traces/0/samples_ms",
     "/traces/0/median_ms",
     "/traces/0/interval_ms/1",
     "/traces/0/judgement",
 ];
-const TRACE_FIELDS: [&str; 5] = ["/mrays_per_s", "/per_trace_bytes", "/hits_sha256", "/counters", "/judgement/ties"];
+const TRACE_FIELDS: [&str; 5] =
+    ["/mrays_per_s", "/per_trace_bytes", "/hits_sha256", "/counters", "/judgement/ambiguous_rays"];
 const CLOSEST_FIELDS: [&str; 11] = [
     "/classes/tight/true_hit",
     "/classes/footprint/late",
@@ -136,8 +137,8 @@ fn missing(run: &Value) -> Vec<String> {
         let absent = fields.iter().filter(|field| value.pointer(field).is_none_or(Value::is_null));
         missing.extend(absent.map(|field| format!("{within}{field}")));
     };
-    look(run, "", &["/schema", "/machine/cpu", "/commit", "/seed", "/preset", "/controls/0", "/runs/0", "/skipped"]);
-    for list in ["controls", "runs"] {
+    look(run, "", &["/schema", "/machine/cpu", "/commit", "/seed", "/preset", "/controls/0", "/rows/0", "/skipped"]);
+    for list in ["controls", "rows"] {
         for (index, each) in run[list].as_array().into_iter().flatten().enumerate() {
             let within = format!("{list}/{index}");
             look(each, &within, &RUN_FIELDS);
@@ -185,7 +186,7 @@ fn a_smoke_run() {
     assert!(outcome.stdout.contains("bvh-cpu") && outcome.stdout.contains("summary.md"), "{outcome:?}");
     assert!(outcome.stdout.starts_with("room, viewpoint ") && outcome.stdout.contains("footprint"), "{outcome:?}");
     let files = names(&bench.path("out"));
-    for file in ["run.json", "summary.md", "traces.csv", "wrong_rays.csv"] {
+    for file in ["run.json", "summary.md", "rows.csv", "wrong_rays.csv"] {
         assert!(files.contains(file), "{files:?}");
     }
     for end in [".svg", ".png"] {
@@ -200,7 +201,7 @@ fn a_smoke_run() {
     assert_eq!(missing(&run), Vec::<String>::new());
     assert_eq!(
         (run["schema"].as_u64(), run["preset"].as_str(), run["seed"].as_u64()),
-        (Some(2), Some("smoke"), Some(1))
+        (Some(3), Some("smoke"), Some(1))
     );
     assert!(run["dirty"].is_boolean() || run["dirty"].is_null());
     let by_name = |list: &str, name: &str| -> Value {
@@ -215,19 +216,19 @@ fn a_smoke_run() {
     let oracle = by_name("controls", "oracle");
     assert_eq!(oracle["traces"][0]["judgement"]["agreement"]["tight"], 1.0);
     for name in ["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda", "height-field"] {
-        let run = by_name("runs", name);
+        let run = by_name("rows", name);
         assert_eq!(run["traces"][0]["count"], 128);
         assert_eq!(run["traces"][0]["samples_ms"].as_array().unwrap().len(), 3);
         assert_eq!(run["traces"][2]["query"], "any");
     }
-    let judgement = &by_name("runs", "bvh-cpu")["traces"][0]["judgement"];
+    let judgement = &by_name("rows", "bvh-cpu")["traces"][0]["judgement"];
     assert!(judgement["agreement"]["tight"].as_f64().unwrap() >= 0.98, "{judgement}");
     assert!(judgement["identity"].is_number());
     // Negative control of the field check.
     let mut less = run;
-    less["runs"][0]["traces"][0].as_object_mut().unwrap().remove("hits_sha256");
-    less["runs"][1]["build"]["setup_ms"] = Value::Null;
-    assert_eq!(missing(&less), ["runs/0/traces/0/hits_sha256", "runs/1/build/setup_ms"]);
+    less["rows"][0]["traces"][0].as_object_mut().unwrap().remove("hits_sha256");
+    less["rows"][1]["build"]["setup_ms"] = Value::Null;
+    assert_eq!(missing(&less), ["rows/0/traces/0/hits_sha256", "rows/1/build/setup_ms"]);
 }
 
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
@@ -235,7 +236,7 @@ fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 /// Proves that `report` makes every derived file again, byte for byte, from the folder, from the file, and from the file
-/// in the folder one stands in.
+/// in the folder one is in.
 #[test]
 fn reports_are_reproducible() {
     let bench = Bench::new();
@@ -280,7 +281,7 @@ fn reports_are_reproducible() {
 
 /// What of a run must not change from one run to the next: hashes, counters, verdicts.
 fn verdicts(run: &Value) -> Vec<Value> {
-    let lists = ["controls", "runs"].into_iter().flat_map(|list| run[list].as_array().unwrap().iter());
+    let lists = ["controls", "rows"].into_iter().flat_map(|list| run[list].as_array().unwrap().iter());
     let traces = lists.flat_map(|each| each["traces"].as_array().unwrap().iter());
     traces
         .map(|trace| json!([trace["hits_sha256"], trace["rays_sha256"], trace["counters"], trace["judgement"]]))
@@ -294,7 +295,7 @@ fn two_runs_agree() {
     let bench = Bench::new();
     // That every tracer repeats its answers is proved where structures are asked for them.
     let tracers = ["--tracer", "bvh-gpu,screen-dda"];
-    let run = |further: &[&str], out: &str| verdicts(&bench.run(&[&tracers[..], further].concat(), out));
+    let run = |adaptive: &[&str], out: &str| verdicts(&bench.run(&[&tracers[..], adaptive].concat(), out));
     let first = run(&["--rays", "all"], "first");
     assert!(first.len() >= 12);
     assert_eq!(run(&["--rays", "all"], "second"), first);
@@ -322,10 +323,10 @@ fn empty_ray_sets_are_skipped() {
     let from_hits = ["diffuse", "ao", "visibility", "specular", "glossy", "glossy2", "glossy3", "bounce2"];
     assert_eq!(sets, [&from_hits[..], &["refraction", "pixel-random"]].concat());
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("empty")));
-    assert_eq!(run["runs"][0]["traces"].as_array().unwrap().len(), 6);
-    assert_eq!(run["runs"][0]["traces"][0]["judgement"]["classes"]["tight"]["true_miss"], 128);
+    assert_eq!(run["rows"][0]["traces"].as_array().unwrap().len(), 6);
+    assert_eq!(run["rows"][0]["traces"][0]["judgement"]["classes"]["tight"]["true_miss"], 128);
     let run = bench.run(&[&away[..], &["--rays", "ao"]].concat(), "none");
-    assert!(run["runs"][0]["traces"].as_array().unwrap().is_empty());
+    assert!(run["rows"][0]["traces"].as_array().unwrap().is_empty());
     assert_eq!(of_sets(&run).len(), 1);
 }
 
@@ -341,9 +342,9 @@ fn settings_are_recorded() {
         "primary",
         "--set",
         "screen-dda.stride=7",
-        "--frame",
+        "--frame-size",
         "40x30",
-        "--face",
+        "--face-size",
         "9",
         "--samples",
         "2",
@@ -351,13 +352,13 @@ fn settings_are_recorded() {
         "5",
     ];
     let run = bench.run(&arguments, "out");
-    let tracer = |index: usize| &run["runs"][index]["tracer"];
+    let tracer = |index: usize| &run["rows"][index]["tracer"];
     assert_eq!((&tracer(0)["preset"], &tracer(0)["parameters"]["build"]), (&json!("improved"), &json!("slow")));
     assert_eq!((&tracer(1)["preset"], &tracer(1)["parameters"]["stride"]), (&json!("published"), &json!(7)));
     assert_eq!(tracer(1)["changed"], json!(["stride"]));
-    assert_eq!(run["runs"][1]["viewpoint"]["frame"], json!([40, 30]));
-    assert_eq!((&run["runs"][1]["viewpoint"]["face"], &run["seed"]), (&json!(9), &json!(5)));
-    assert_eq!(run["runs"][0]["build"]["samples_ms"].as_array().unwrap().len(), 2);
+    assert_eq!(run["rows"][1]["viewpoint"]["frame"], json!([40, 30]));
+    assert_eq!((&run["rows"][1]["viewpoint"]["face"], &run["seed"]), (&json!(9), &json!(5)));
+    assert_eq!(run["rows"][0]["build"]["samples_ms"].as_array().unwrap().len(), 2);
 }
 
 /// Proves that a picture of each kind is a PNG of the size asked for, that it shows something, and that nothing else is
@@ -392,9 +393,10 @@ fn pictures() {
 fn times_move_scenes() {
     let bench = Bench::new();
     let hash = |scene: &str, time: &str| {
-        let run = bench.run(&["--scene", scene, "--time", time, "--tracer", "bvh-cpu", "--rays", "primary"], "out");
-        let found = run["runs"][0]["scene"]["sha256"].as_str().unwrap().to_owned();
-        (found, run["runs"][0]["traces"][0]["judgement"]["agreement"]["tight"].as_f64().unwrap())
+        let run =
+            bench.run(&["--scene", scene, "--animation-time", time, "--tracer", "bvh-cpu", "--rays", "primary"], "out");
+        let found = run["rows"][0]["scene"]["sha256"].as_str().unwrap().to_owned();
+        (found, run["rows"][0]["traces"][0]["judgement"]["agreement"]["tight"].as_f64().unwrap())
     };
     let (start, later, end) = (hash("cloth", "0"), hash("cloth", "1"), hash("cloth", "1000"));
     assert!(start.0 != later.0 && later.0 != end.0 && start.0 != end.0);
@@ -403,8 +405,8 @@ fn times_move_scenes() {
     assert_eq!(hash("cloth", "-5").0, start.0);
     let triangles = |scale: &str| {
         let run = bench.run(&["--scale", scale, "--tracer", "bvh-cpu", "--rays", "primary"], "out");
-        assert_eq!(run["runs"][0]["scene"]["scale"].as_f64().unwrap().to_string(), scale);
-        run["runs"][0]["scene"]["triangles"].as_u64().unwrap()
+        assert_eq!(run["rows"][0]["scene"]["scale"].as_f64().unwrap().to_string(), scale);
+        run["rows"][0]["scene"]["triangles"].as_u64().unwrap()
     };
     assert!(triangles("0.2") < triangles("0.5"));
 }

@@ -12,7 +12,7 @@ fn a_matrix_and_its_files() {
     let bench = Bench::new();
     let outcome = bench.call(&["stability", "--quiet", "--case", "edge-on", "--tracer", "all", "--out", "out"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    let expected = ["error_vs_strength.png", "error_vs_strength.svg", "run.json", "stability.md"];
+    let expected = ["error_vs_difficulty.png", "error_vs_difficulty.svg", "run.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(
@@ -29,33 +29,36 @@ fn a_matrix_and_its_files() {
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
     assert!(page.contains(&row), "{page}");
     let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/run.json")).unwrap()).unwrap();
-    assert_eq!(found["schema"], 2);
+    assert_eq!(found["schema"], 3);
     assert!(found["machine"]["adapter"]["name"].is_string());
     let case = &found["cases"]["cases"][0];
-    assert_eq!((case["name"].as_str(), case["knob"]["unit"].as_str()), (Some("edge-on"), Some("degrees")));
-    assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
+    assert_eq!(
+        (case["name"].as_str(), case["difficulty_parameter"]["unit"].as_str()),
+        (Some("edge-on"), Some("degrees"))
+    );
+    assert!(case["difficulty_levels"][0]["rays"].as_u64().unwrap() >= 500);
     let cell = &case["tracers"][3];
     assert_eq!(
         (cell["tracer"]["name"].as_str(), cell["unavailable"].as_bool()),
         (Some("ray-query"), Some(!with_ray_queries))
     );
     let cell = case["tracers"].as_array().unwrap().iter().find(|cell| cell["tracer"]["name"] == "screen-dda").unwrap();
-    for field in ["kind", "rule", "wrong_shares", "rasterizer_room", "reason", "source"] {
+    for field in ["kind", "rule", "wrong_shares", "rasterizer_tolerance", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");
     }
     assert_eq!(
         cell["expectation"]["wrong_shares"].as_array().map(Vec::len),
-        case["knob"]["values"].as_array().map(Vec::len)
+        case["difficulty_parameter"]["values"].as_array().map(Vec::len)
     );
-    let rows: Vec<&Value> = found["runs"]
+    let rows: Vec<&Value> = found["rows"]
         .as_array()
         .unwrap()
         .iter()
         .filter(|row| row["scene"]["name"] == "edge-on" && row["tracer"] == cell["tracer"])
         .collect();
-    assert_eq!(rows.len(), case["knob"]["values"].as_array().unwrap().len());
-    for (row, strength) in rows.iter().zip(case["knob"]["values"].as_array().unwrap()) {
-        assert_eq!(row["strength"], *strength);
+    assert_eq!(rows.len(), case["difficulty_parameter"]["values"].as_array().unwrap().len());
+    for (row, difficulty_level) in rows.iter().zip(case["difficulty_parameter"]["values"].as_array().unwrap()) {
+        assert_eq!(row["difficulty_level"], *difficulty_level);
         // Nothing was timed.
         let trace = &row["traces"][0];
         assert_eq!((&trace["samples_ms"], &row["build"]["samples_ms"]), (&json!([]), &json!([])));
@@ -80,8 +83,8 @@ fn a_matrix_and_its_files() {
     assert_eq!(names(&bench.path("tracebench-out")).len(), 1);
 }
 
-/// Proves that verdicts on changed parameters are shown but do not count, and that an improved preset that is the published one is judged as
-/// that is.
+/// Proves that verdicts on changed parameters are shown but do not count, and that an improved preset that is the published one is judged
+/// as that is.
 #[test]
 fn changed_parameters_do_not_count() {
     let bench = Bench::new();
@@ -150,7 +153,7 @@ fn cases_without_an_adapter() {
     assert!(all.page.contains("| edge-on | exact | unavailable | unavailable | unavailable |"), "{all:?}");
     // Why it would fail where it runs is no reason for anything here, and it has no line in the chart.
     assert!(!all.page.contains("- screen-dda, "), "{all:?}");
-    let chart = std::fs::read_to_string(bench.path("all/error_vs_strength.svg")).unwrap();
+    let chart = std::fs::read_to_string(bench.path("all/error_vs_difficulty.svg")).unwrap();
     assert!(chart.contains("bvh-cpu") && !chart.contains("screen-dda"));
     let named = bench.call_without_adapter(&[&FEW[..], &["screen-dda", "--out", "named"]].concat());
     assert_eq!((named.status, named.stdout.as_str()), (1, ""), "{named:?}");
@@ -167,6 +170,9 @@ fn cases_are_listed() {
     let cases = value.as_array().unwrap();
     assert!(cases.len() >= 20);
     for case in cases {
-        assert!(text.contains(case["name"].as_str().unwrap()) && case["knob"]["values"].is_array(), "{case}");
+        assert!(
+            text.contains(case["name"].as_str().unwrap()) && case["difficulty_parameter"]["values"].is_array(),
+            "{case}"
+        );
     }
 }

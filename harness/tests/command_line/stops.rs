@@ -8,7 +8,7 @@ use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::resume::races;
+use super::resume::interleaved_sets;
 use super::*;
 
 /// As one that takes long would be begun.
@@ -46,7 +46,7 @@ fn told(bench: &Bench) -> Value {
 }
 
 /// Proves that a step ends when its reproduction is killed or stopped; that one which is stopped waits for it, writes its page and says how
-/// to go on; and that a step goes on from its races, is measured once, and is waited for where another process is at it.
+/// to go on; and that a step goes on from its interleaved sets, is measured once, and is waited for where another process is at it.
 #[test]
 fn a_step_ends_with_its_reproduction() {
     let bench = Bench::new();
@@ -54,7 +54,7 @@ fn a_step_ends_with_its_reproduction() {
     let words = ["--quiet", "reproduce", "--preset", "smoke", "--budget", "1h", "--out", "all"];
     let on = [&words[..], &["--resume"]].concat();
     let mut first = begin(&bench, &words);
-    until("a race", || !races(&front).is_empty());
+    until("a race", || !interleaved_sets(&front).is_empty());
     first.kill().unwrap();
     first.wait().unwrap();
     let killed = Instant::now();
@@ -62,20 +62,23 @@ fn a_step_ends_with_its_reproduction() {
     assert!(killed.elapsed() < Duration::from_secs(10), "the step went on alone");
     assert!(!bench.path("all/reproduce.md").exists());
 
-    let kept = races(&front);
+    let kept = interleaved_sets(&front);
     let second = begin(&bench, &on);
-    until("another race", || races(&front).len() > kept.len());
+    until("another interleaved set", || interleaved_sets(&front).len() > kept.len());
     send("-TERM", &second);
     let (signal, said) = ended(second);
     assert_eq!((signal, said.as_str()), (Some(15), "stopped; what was measured is kept in all: go on with --resume\n"));
     assert!(!is_busy(&front), "it did not wait for the step");
     assert!(bench.path("all/reproduce.md").exists());
     assert_eq!(told(&bench)["steps"][0]["state"], "broken_off");
-    let more = races(&front);
-    assert!(kept.iter().all(|(name, contents)| more.get(name) == Some(contents)), "a race was measured twice");
+    let more = interleaved_sets(&front);
+    assert!(
+        kept.iter().all(|(name, contents)| more.get(name) == Some(contents)),
+        "an interleaved set was measured twice"
+    );
 
     // Of a step that has ended the record tells, whatever the list says; another process's is left to it.
-    std::fs::remove_dir_all(front.join("races")).unwrap();
+    std::fs::remove_dir_all(front.join("interleaved_sets")).unwrap();
     let small = ["--scene", "room", "--tracer", "bvh-cpu", "--points", "1", "--rays", "diffuse", "--samples", "1"];
     let small =
         [&["--quiet", "pareto", "--preset", "smoke", "--size", "16x8", "--out", "all/front"][..], &small].concat();
@@ -104,7 +107,7 @@ fn a_step_that_was_stopped_is_finished() {
     let front = bench.path("all/front");
     let words = ["--quiet", "reproduce", "--preset", "smoke", "--budget", "1h", "--out", "all"];
     let first = begin(&bench, &words);
-    until("a race", || !races(&front).is_empty());
+    until("a race", || !interleaved_sets(&front).is_empty());
     send("-TERM", &first);
     assert_eq!(ended(first).0, Some(15));
     let second = begin(&bench, &[&words[..], &["--resume"]].concat());
@@ -115,8 +118,8 @@ fn a_step_that_was_stopped_is_finished() {
     assert_eq!(told(&bench)["steps"][0]["state"], "done");
 }
 
-/// Proves that what is stopped says where its races are kept and how to go on, that it does go on, and that before any race has ended
-/// nothing is left and nothing is promised.
+/// Proves that what is stopped says where its interleaved sets are kept and how to go on, that it does go on, and that before any
+/// interleaved set has ended nothing is left and nothing is promised.
 #[test]
 fn what_is_stopped_says_how_to_go_on() {
     let bench = Bench::new();
@@ -126,7 +129,7 @@ fn what_is_stopped_says_how_to_go_on() {
             if verb == "pareto" { &["--points", "2", "--tracer", "dirt,bvh-cpu"] } else { &["--tracer", "dirt"] };
         let words = [&[verb], &scene[..], &[verb], tracers].concat();
         let child = begin(&bench, &words);
-        until("a race", || !races(&bench.path(verb)).is_empty());
+        until("a race", || !interleaved_sets(&bench.path(verb)).is_empty());
         send(signal, &child);
         let line = format!("stopped; what was measured is kept in {verb}: go on with --resume\n");
         assert_eq!(ended(child), (Some(number), line));
@@ -141,7 +144,7 @@ fn what_is_stopped_says_how_to_go_on() {
     let mut command = bench.command(&words);
     command.env("TRACEBENCH_LOCK", &lock);
     let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    until("the plan", || bench.path("early/one/races/plan.json").exists());
+    until("the plan", || bench.path("early/one/interleaved_sets/plan.json").exists());
     send("-TERM", &child);
     let (signal, said) = ended(child);
     assert_eq!(signal, Some(15));
@@ -151,7 +154,7 @@ fn what_is_stopped_says_how_to_go_on() {
     assert!(!bench.path("early").exists());
     // It waits before there is a plan, too: for the probe of an adapter.
     let mut command = bench.command(&[&["run"], &scene[..], &["early/two", "--tracer", "lbvh-gpu"]].concat());
-    let command = command.env("TRACEBENCH_LOCK", &lock).env_remove("TRACEBENCH_MEANS");
+    let command = command.env("TRACEBENCH_LOCK", &lock).env_remove("TRACEBENCH_LAUNCH");
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
     let first = said.next().unwrap().unwrap();

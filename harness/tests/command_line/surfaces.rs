@@ -9,18 +9,27 @@ use super::*;
 fn a_run_to_surfaces() {
     let bench = Bench::new();
     let arguments = |end: &'static str| {
-        ["--scene", "room", "--tracer", "bvh-cpu,bvh-gpu,dirt,screen-dda", "--rays", "primary,visibility", "--end", end]
+        [
+            "--scene",
+            "room",
+            "--tracer",
+            "bvh-cpu,bvh-gpu,dirt,screen-dda",
+            "--rays",
+            "primary,visibility",
+            "--trace-to",
+            end,
+        ]
     };
     let run = bench.run(&arguments("surface"), "surface");
     let to_hits = bench.run(&arguments("hit"), "hit");
-    assert_eq!(run["runs"].as_array().unwrap().len(), 4);
-    for list in ["controls", "runs"] {
+    assert_eq!(run["rows"].as_array().unwrap().len(), 4);
+    for list in ["controls", "rows"] {
         for (each, of_hits) in run[list].as_array().unwrap().iter().zip(to_hits[list].as_array().unwrap()) {
             let name = each["tracer"]["name"].as_str().unwrap();
             let traces = each["traces"].as_array().unwrap();
             assert_eq!(traces.len(), 2);
             for (trace, to_hits) in traces.iter().zip(of_hits["traces"].as_array().unwrap()) {
-                assert_eq!((trace["end"].as_str(), to_hits["end"].as_str()), (Some("surface"), Some("hit")));
+                assert_eq!((trace["trace_to"].as_str(), to_hits["trace_to"].as_str()), (Some("surface"), Some("hit")));
                 assert_eq!(trace["hits_sha256"], to_hits["hits_sha256"], "{name}");
                 assert!(to_hits["surfaces"].is_null() && !trace["surfaces"].is_null());
                 let parts = trace["per_trace"].as_array().unwrap();
@@ -63,10 +72,10 @@ fn a_run_to_surfaces() {
         assert!(summary.contains(part), "{part}");
     }
     assert!(!text("hit/summary.md").contains("surfaces"));
-    let table = text("surface/traces.csv");
+    let table = text("surface/rows.csv");
     assert!(table.contains("surface_agreement_share") && table.contains(",surface,"));
     bench.fails(
-        &["run", "--scene", "room", "--tracer", "dirt", "--rays", "primary", "--end", "shade"],
+        &["run", "--scene", "room", "--tracer", "dirt", "--rays", "primary", "--trace-to", "shade"],
         2,
         &["surface"],
     );

@@ -20,27 +20,27 @@ fn points_are_those_of_runs() {
     assert!(outcome.page.contains("| 24 * |") && outcome.page.contains("| 1/2 | 64×32, 32 |"), "{}", outcome.page);
     assert!(outcome.page.contains("all score what they must"), "{}", outcome.page);
     let found = bench.result("out");
-    let runs = found["runs"].as_array().unwrap();
-    assert_eq!((runs.len(), found["sweep"]["points"].as_array().unwrap().len()), (4, 4));
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), found["sweep"]["points"].as_array().unwrap().len()), (4, 4));
     let named = "dirt,dirt@buckets=4,dirt@tile_size=4";
     bench.run(&["--tracer", named, "--rays", "diffuse,ao"], "plain");
-    bench.run(&["--tracer", "dirt", "--rays", "diffuse,ao", "--frame", "64x32", "--face", "32"], "half");
-    let mut plain = bench.result("plain")["runs"].as_array().unwrap().clone();
-    plain.extend(bench.result("half")["runs"].as_array().unwrap().clone());
+    bench.run(&["--tracer", "dirt", "--rays", "diffuse,ao", "--frame-size", "64x32", "--face-size", "32"], "half");
+    let mut plain = bench.result("plain")["rows"].as_array().unwrap().clone();
+    plain.extend(bench.result("half")["rows"].as_array().unwrap().clone());
     let key = |one: &Value| (one["tracer"]["parameters"].clone(), one["viewpoint"]["face"].clone());
     let answers = |one: &Value| {
         let trace = |trace: &Value| ["rays_sha256", "hits_sha256", "counters"].map(|name| trace[name].clone());
         one["traces"].as_array().unwrap().iter().map(trace).collect::<Vec<_>>()
     };
     for one in &plain {
-        let point = runs.iter().find(|point| key(point) == key(one)).unwrap();
+        let point = rows.iter().find(|point| key(point) == key(one)).unwrap();
         assert!(answers(one).len() == 2 && answers(one) == answers(point), "{}", one["tracer"]);
     }
     // They are not all the same, so the comparison above could have failed.
     assert!(answers(&plain[0]) != answers(&plain[1]) && answers(&plain[0]) != answers(&plain[3]));
     let before = names(&bench.path("out"));
     for wanted in
-        ["sweep.csv", "sweep.md", "sweep_room_buckets_diffuse.svg", "sweep_room_resolution_ao.png", "summary.md"]
+        ["rows.csv", "sweep.md", "sweep_room_buckets_diffuse.svg", "sweep_room_resolution_ao.png", "summary.md"]
     {
         assert!(before.contains(wanted), "{before:?}");
     }
@@ -57,9 +57,9 @@ fn what_is_too_large_is_skipped() {
     let outcome = sweep(&bench, &["--grid", "resolution=64,tile_size=8", "--set", "dirt.tile_size=1", "--out", "out"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let found = bench.result("out");
-    let (runs, points) = (found["runs"].as_array().unwrap(), found["sweep"]["points"].as_array().unwrap());
+    let (rows, points) = (found["rows"].as_array().unwrap(), found["sweep"]["points"].as_array().unwrap());
     let skipped: Vec<_> = points.iter().filter(|point| point["skipped"]["room"].is_string()).collect();
-    assert!(points.len() == 4 && runs.len() + skipped.len() == 4, "{found}");
+    assert!(points.len() == 4 && rows.len() + skipped.len() == 4, "{found}");
     assert_eq!((&skipped[0]["values"]["resolution"], &skipped[0]["values"]["tile_size"]), (&json!("64"), &json!("1")));
     let reasons = found["skipped"].as_array().unwrap();
     assert_eq!(reasons.len(), skipped.len());
@@ -74,7 +74,7 @@ fn host_tracers_need_no_adapter() {
     let arguments = ["--tracer", "bvh-cpu", "--over", "build=fastest", "--rays", "primary", "--out", "out"];
     let outcome = bench.call_without_adapter(&[&SMALL[..], &arguments].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    assert_eq!(bench.result("out")["runs"].as_array().unwrap().len(), 2);
+    assert_eq!(bench.result("out")["rows"].as_array().unwrap().len(), 2);
     let outcome = bench.call_without_adapter(&[&SMALL[..], &["--out", "none"]].concat());
     assert_eq!((outcome.status, bench.path("none").exists()), (1, false), "{outcome:?}");
 }
@@ -93,9 +93,9 @@ fn wrong_arguments() {
         (vec!["--over", "buckets=0"], vec!["1 to 256"]),
         (vec!["--over", "buckets=99999999999999999999"], vec!["1 to 256"]),
         (vec!["--over", "buckets", "--over", "buckets=4"], vec!["twice"]),
-        (vec!["--over", "resolution=1/3"], vec!["128x64", "--face"]),
+        (vec!["--over", "resolution=1/3"], vec!["128x64", "--face-size"]),
         (vec!["--over", "resolution=-1"], vec!["1/N"]),
-        (vec!["--over", "resolution=1/4", "--face", "2"], vec!["faces of 2"]),
+        (vec!["--over", "resolution=1/4", "--face-size", "2"], vec!["faces of 2"]),
         (vec!["--grid", "buckets"], vec!["takes two"]),
         (vec!["--grid", "buckets,clip,coverage"], vec!["takes two"]),
         (vec!["--grid", "buckets,clip", "--over", "views"], vec!["--over"]),

@@ -9,12 +9,13 @@ fn table(bench: &Bench, name: &str, arguments: &[&str]) -> Outcome {
     bench.call(&[&["table", name][..], &SMALL, arguments].concat())
 }
 
-/// Rows of a CSV by column.
-fn rows(path: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
+/// Rows of configurations by column.
+fn rows(folder: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join("rows.csv")).unwrap();
     let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let row = |record: csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
+    let rows = reader.records().map(|record| row(record.unwrap()));
+    rows.filter(|row: &std::collections::BTreeMap<_, _>| row["role"] == "tracer").collect()
 }
 
 /// Proves that the table has a row for every peer and variant in a catalogue scene and a file, that its figures are those of
@@ -28,14 +29,14 @@ fn a_table_of_hierarchies() {
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.page.contains("| bvh-cpu build=fastest | host clock |"), "{}", outcome.page);
     let run = bench.result("out");
-    assert_eq!((run["table"].as_str(), run["schema"].as_u64()), (Some("bvh"), Some(2)));
+    assert_eq!((run["table"].as_str(), run["schema"].as_u64()), (Some("bvh"), Some(3)));
     let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
     // What this machine cannot run is said for every scene.
     let skipped = run["skipped"].as_array().unwrap().iter().filter(|each| each["scene"] == "room").count();
     let wanted = listed[0]["tracers"].as_array().unwrap().len() - skipped;
-    let runs = run["runs"].as_array().unwrap();
-    assert!(wanted >= 8 && runs.len() == 2 * wanted, "{} of {wanted}", runs.len());
-    let found = rows(&bench.path("out/table_bvh.csv"));
+    let all = run["rows"].as_array().unwrap();
+    assert!(wanted >= 8 && all.len() == 2 * wanted, "{} of {wanted}", all.len());
+    let found = rows(&bench.path("out"));
     let number = |text: &str| text.parse::<f64>().unwrap();
     for row in found.iter().filter(|row| row["rays"] == "diffuse") {
         let parameters: Value = serde_json::from_str(&row["parameters_json"]).unwrap();
@@ -44,7 +45,7 @@ fn a_table_of_hierarchies() {
                 && one["tracer"]["name"] == row["tracer_name"]
                 && one["tracer"]["parameters"] == parameters
         };
-        let one = runs.iter().find(is_row).unwrap();
+        let one = all.iter().find(is_row).unwrap();
         for (name, value) in one["structure_statistics"].as_object().unwrap() {
             assert_eq!(number(&row[&format!("structure_{name}")]), value.as_f64().unwrap(), "{name}");
         }
@@ -60,7 +61,7 @@ fn a_table_of_hierarchies() {
     }
     assert_eq!(found.iter().filter(|row| row["rays"] == "diffuse" && row["scene"] == "room").count(), wanted);
     assert_eq!(found.iter().filter(|row| row["tracer"] == "bvh-cpu").count(), 4);
-    let files = ["out/table_bvh.md", "out/table_bvh.csv"].map(|name| bench.path(name));
+    let files = ["out/table_bvh.md", "out/rows.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "bvh", "--from", "out"]] {
         files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
@@ -73,7 +74,10 @@ fn a_table_of_hierarchies() {
     let outcome = bench.call(&["table", "bvh", "--from", "plain/run.json", "--out", "elsewhere"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     assert!(outcome.page.contains("| bvh-cpu |") && !outcome.page.contains("| screen-dda |"));
-    assert_eq!(names(&bench.path("elsewhere")), ["table_bvh.csv", "table_bvh.md"].map(str::to_owned).into());
+    assert_eq!(
+        names(&bench.path("elsewhere")),
+        ["rows.csv", "table_bvh.md", "wrong_rays.csv"].map(str::to_owned).into()
+    );
 }
 
 /// Proves that a table of switches has a row for each of them beside a hierarchy, the improved form among them without a wrong ray; that
@@ -88,8 +92,8 @@ fn a_table_of_switches() {
     let outcome = table(&bench, "dirt-ablation", &arguments);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let run = bench.result("out");
-    assert_eq!((run["table"].as_str(), run["runs"].as_array().unwrap().len()), (Some("dirt-ablation"), wanted));
-    let found = rows(&bench.path("out/table_dirt_ablation.csv"));
+    assert_eq!((run["table"].as_str(), run["rows"].as_array().unwrap().len()), (Some("dirt-ablation"), wanted));
+    let found = rows(&bench.path("out"));
     assert_eq!(found.len(), wanted);
     for row in &found {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
@@ -99,7 +103,7 @@ fn a_table_of_switches() {
     let improved = found.iter().find(|row| row["tracer"] == "dirt:improved").unwrap();
     assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
     assert!(outcome.page.contains("× bvh-gpu") && outcome.page.contains("| dirt:improved face_tiles=64 |"));
-    let files = ["out/table_dirt_ablation.md", "out/table_dirt_ablation.csv"].map(|name| bench.path(name));
+    let files = ["out/table_dirt_ablation.md", "out/rows.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "dirt-ablation", "--from", "out"]] {
         files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
@@ -122,13 +126,14 @@ fn a_table_of_updates() {
     assert_eq!((counts, &found["table"]), ([3, 2], &json!("bvh-updates")));
     assert_eq!(found["updates"]["scenes"][0]["times_s"].as_array().unwrap().len(), 4);
     assert_eq!(found["controls"].as_array().unwrap().len(), 4);
-    let rows = found["runs"].as_array().unwrap();
-    let row = |tracer: &str, way: &str| {
-        let found = rows.iter().find(|row| row["tracer"]["name"] == tracer && row["way"]["name"] == way);
-        found.unwrap_or_else(|| panic!("no {way} of {tracer}"))
+    let rows = found["rows"].as_array().unwrap();
+    let row = |tracer: &str, update_mode: &str| {
+        let found =
+            rows.iter().find(|row| row["tracer"]["name"] == tracer && row["update_mode"]["name"] == update_mode);
+        found.unwrap_or_else(|| panic!("no {update_mode} of {tracer}"))
     };
     for tracer in ["bvh-cpu", "bvh-gpu"] {
-        let [fresh, rebuild, refit] = ["fresh build", "rebuild", "refit"].map(|way| row(tracer, way));
+        let [fresh, rebuild, refit] = ["fresh build", "rebuild", "refit"].map(|update_mode| row(tracer, update_mode));
         let cost = |row: &Value| row["structure_statistics"]["sah_cost"].as_f64().unwrap();
         assert!((cost(rebuild) / cost(fresh) - 1.0).abs() < 1e-9 && cost(refit) > 1.01 * cost(fresh), "{tracer}");
         for row in [rebuild, refit] {
@@ -145,7 +150,7 @@ fn a_table_of_updates() {
         }
         assert_eq!(rebuild["traces"][0]["hits_sha256"], fresh["traces"][0]["hits_sha256"]);
     }
-    let file = bench.path("out/table_bvh_updates.csv");
+    let file = bench.path("out/table_bvh_updates.md");
     let before = std::fs::read(&file).unwrap();
     for again in [vec!["report", "out"], vec!["report", "out/run.json"], vec!["table", "bvh-updates", "--from", "out"]]
     {
@@ -165,7 +170,7 @@ fn wrong_tables() {
         (vec![], vec!["<NAME>"]),
         (vec!["bvh", "--frames", "4"], vec!["--frames", "not over frames"]),
         (vec!["bvh-updates", "--frames", "0"], vec!["--frames", "1..=240"]),
-        (vec!["bvh-updates", "--time", "1"], vec!["--time", "whole animations"]),
+        (vec!["bvh-updates", "--animation-time", "1"], vec!["--animation-time", "whole animations"]),
         (vec!["view-updates", "--view", "door"], vec!["--view", "camera's path"]),
         (vec!["bvh", "--scene", "rooom"], vec!["'room'"]),
         (vec!["bvh", "--rays", "diffus"], vec!["'diffuse'"]),
@@ -186,16 +191,16 @@ fn wrong_tables() {
     assert!(names(bench.folder.path()).iter().all(|name| name == "cache"), "{:?}", names(bench.folder.path()));
     let other = json!({ "schema": 99 }).to_string();
     std::fs::write(bench.path("run.json"), &other).unwrap();
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["schema 99", "reads schema 2"]);
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["schema 99", "reads schema 3"]);
     bench.fails(&["report", "run.json"], 1, &["schema 99"]);
-    std::fs::write(bench.path("run.json"), "{\"schema\": 2}").unwrap();
+    std::fs::write(bench.path("run.json"), "{\"schema\": 3}").unwrap();
     bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["run.json", "missing field"]);
     bench.run(&["--tracer", "screen-dda", "--rays", "primary"], "views");
-    bench.fails(&["table", "bvh", "--from", "views"], 1, &["no tracer of this run belongs"]);
+    bench.fails(&["table", "bvh", "--from", "views"], 1, &["no tracer of this record belongs"]);
     bench.fails(&["table", "bvh-updates", "--from", "views"], 1, &["follows no animation"]);
 }
 
-/// Proves that without an adapter the peers on the host stand in the table, and the others below it with the reason.
+/// Proves that without an adapter the peers on the host are in the table, and the others below it with the reason.
 #[test]
 fn tables_without_an_adapter() {
     let bench = Bench::new();
@@ -206,7 +211,7 @@ fn tables_without_an_adapter() {
 }
 
 /// Proves that tables are listed for people and for scripts, and that the rows of one are names that `--tracer` takes, each a
-/// contender of its own.
+/// configuration of its own.
 #[test]
 fn tables_are_listed() {
     let bench = Bench::new();
@@ -221,7 +226,7 @@ fn tables_are_listed() {
     let rows: Vec<&str> = rows.filter(|row| !row.starts_with("ray-query") || with_ray_queries).collect();
     let run = bench.run(&["--tracer", &rows.join(","), "--rays", "primary", "--samples", "1"], "out");
     let labels: BTreeSet<String> =
-        run["runs"].as_array().unwrap().iter().map(|one| one["tracer"].to_string()).collect();
+        run["rows"].as_array().unwrap().iter().map(|one| one["tracer"].to_string()).collect();
     assert_eq!(labels.len(), rows.len());
 }
 
@@ -245,12 +250,12 @@ fn a_table_of_wrong_rays() {
     let outcome = exact("bvh-cpu", "right");
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.stdout.contains("\n**0 of ") && outcome.stdout.ends_with("right/table_exact.md\n"), "{outcome:?}");
-    let found = rows(&bench.path("right/table_exact.csv"));
+    let found = rows(&bench.path("right"));
     assert_eq!(found.len(), 2 * 5);
     let views: BTreeSet<_> = found.iter().map(|row| (&row["scene"], &row["viewpoint"])).collect();
     assert_eq!(views.len(), 2 * 5);
-    assert!(found.iter().all(|row| row["wrong_tight"] == "0" && row["rays_sha256"].len() == 64), "{found:?}");
-    let eyes: BTreeSet<String> = bench.result("right")["runs"]
+    assert!(found.iter().all(|row| row["wrong_tight_rays"] == "0" && row["rays_sha256"].len() == 64), "{found:?}");
+    let eyes: BTreeSet<String> = bench.result("right")["rows"]
         .as_array()
         .unwrap()
         .iter()
@@ -258,8 +263,7 @@ fn a_table_of_wrong_rays() {
         .collect();
     assert_eq!(eyes.len(), 2 * 5);
     let outcome = exact("screen-dda", "wrong");
-    let wrong: u64 =
-        rows(&bench.path("wrong/table_exact.csv")).iter().map(|row| row["wrong_tight"].parse::<u64>().unwrap()).sum();
+    let wrong: u64 = rows(&bench.path("wrong")).iter().map(|row| row["wrong_tight_rays"].parse::<u64>().unwrap()).sum();
     assert!(wrong > 0 && outcome.page.contains("Sets with wrong rays:"), "{outcome:?}");
     let again = bench.call(&["table", "exact", "--from", "wrong"]);
     for outcome in [outcome, again] {

@@ -32,12 +32,12 @@ fn values_are_those_of_runs() {
     let named = "screen-dda,screen-dda@thickness=0,screen-dda@thickness=0.02";
     for (view, name) in views.iter().zip(["entrance", "corner"]) {
         bench.run(&["--tracer", named, "--rays", "diffuse", "--view", name], name);
-        let runs = report::read_run(&bench.path(name)).unwrap().runs;
+        let rows = report::read_run(&bench.path(name)).unwrap().rows;
         let set = &view.sets[0];
         let mut agreements = Vec::new();
         for value in &set.values {
             let thickness: f64 = value.value.parse().unwrap();
-            let run = runs.iter().find(|run| run.tracer.parameters["thickness"] == thickness).unwrap();
+            let run = rows.iter().find(|run| run.tracer.parameters["thickness"] == thickness).unwrap();
             let (trace, judged) = (&run.traces[0], value.judged.as_ref().unwrap());
             assert_eq!((&trace.rays_sha256, &trace.hits_sha256), (&set.rays_sha256, &judged.hits_sha256));
             let [Judgement::Closest(one), Judgement::Closest(other)] = [&trace.judgement, &judged.judgement] else {
@@ -62,7 +62,7 @@ fn values_are_those_of_runs() {
         assert_eq!((from_own("room", "ao"), from_own("candy", "diffuse")), (None, None));
     }
     let before = names(&bench.path("out"));
-    let expected = ["run.json", "tune.csv", "tune.md", "tune_room.png", "tune_room.svg"];
+    let expected = ["rows.csv", "run.json", "tune.md", "tune_room.png", "tune_room.svg", "wrong_rays.csv"];
     assert_eq!(before, expected.map(str::to_owned).into());
     let read = |name: &String| std::fs::read(bench.path("out").join(name)).unwrap();
     let contents: Vec<_> = before.iter().map(read).collect();

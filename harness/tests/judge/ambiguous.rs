@@ -49,8 +49,8 @@ fn a_miss_that_may_hit() {
     assert_eq!(case.closest(&[hit(4.5)]).position_error.p50, Some(0.0));
 }
 
-/// Proves that a right answer to an ambiguous ray stays right, that t = 77 and a miss that no true answer is are wrong, with cause and place
-/// in the list, in every share over all rays and in none without ambiguous ones, and that intervals are over all.
+/// Proves that a right answer to an ambiguous ray stays right, that t = 77 and a miss that no true answer is are wrong, with cause and
+/// place in the list, in every share over all rays and in none without ambiguous ones, and that intervals are over all.
 #[test]
 fn wrong_answers_to_ambiguous_rays_are_wrong() {
     let mut case = hundred(Query::Closest);
@@ -58,7 +58,7 @@ fn wrong_answers_to_ambiguous_rays_are_wrong() {
     make_ambiguous(&mut case.answers[70], &[Some((4.0, 0))]);
     let mut hits = case.right();
     let right = case.closest(&hits);
-    assert_eq!((right.ties, right.many_ties, right.agreement.tight), (2, true, Some(1.0)));
+    assert_eq!((right.ambiguous_rays, right.many_ambiguous_rays, right.agreement.tight), (2, true, Some(1.0)));
     assert_eq!((right.classes.tight.true_hit, right.classes.tight.true_miss), (60, 40));
     // The other true answers.
     (hits[5], hits[70]) = (hit(3.0), hit(4.0));
@@ -86,8 +86,8 @@ fn wrong_answers_to_ambiguous_rays_are_wrong() {
 }
 
 /// Proves by real rays along the edge of a plate before a wall, all ambiguous, that who always misses is always wrong, and along an edge
-/// before nothing, where a miss is right, that who hits far behind is; that a set of ambiguous rays has a share over all of them and none without
-/// them; and that who answers either side of the edge is right.
+/// before nothing, where a miss is right, that who hits far behind is; that a set of ambiguous rays has a share over all of them and none
+/// without them; and that who answers either side of the edge is right.
 #[test]
 fn sets_of_ambiguous_rays_alone() {
     let wall = rectangle([-3.0, -3.0, -1.0], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0]);
@@ -98,7 +98,7 @@ fn sets_of_ambiguous_rays_alone() {
     for case in [&before_wall, &alone] {
         assert!(case.answers.iter().all(Answer::is_ambiguous));
         let judged = case.closest(&case.right());
-        assert_eq!((judged.ties, judged.agreement.tight), (80, Some(1.0)));
+        assert_eq!((judged.ambiguous_rays, judged.agreement.tight), (80, Some(1.0)));
         assert_eq!(judged.agreement_without_ambiguous.unwrap().tight, None);
     }
     let tight = |case: &Case, hit: Hit| case.closest(&[hit; 80]).agreement.tight;
@@ -129,22 +129,25 @@ fn ambiguous_any_hit_rays_are_left_out() {
     let right = case.any(&hits);
     (hits[5], hits[70]) = (miss(), hit(77.0));
     assert_eq!(case.any(&hits), right);
-    assert_eq!((right.ties, right.many_ties, right.occlusion.balanced_accuracy), (2, true, Some(1.0)));
+    assert_eq!(
+        (right.ambiguous_rays, right.many_ambiguous_rays, right.occlusion.balanced_accuracy),
+        (2, true, Some(1.0))
+    );
     assert_eq!((right.occlusion.true_occluded, right.occlusion.true_free), (59, 39));
     let classes = case.judge().classes(Rule::Tight, &hits).unwrap();
     assert_eq!((classes[5], classes[70], classes.iter().flatten().count()), (None, None, 98));
     case.answers.iter_mut().for_each(|answer| make_ambiguous(answer, &[None]));
     let none = case.any(&hits);
     assert_eq!(
-        (none.ties, none.occlusion.balanced_accuracy, none.occlusion.balanced_accuracy_interval),
+        (none.ambiguous_rays, none.occlusion.balanced_accuracy, none.occlusion.balanced_accuracy_interval),
         (100, None, None)
     );
     // One in a thousand is not yet many.
     let mut case = Case::new(framed(plate()), vec![down(0.25, 0.5, 2.0); 1000], Query::Closest);
     make_ambiguous(&mut case.answers[0], &[None]);
-    assert!(!case.closest(&case.right()).many_ties);
+    assert!(!case.closest(&case.right()).many_ambiguous_rays);
     make_ambiguous(&mut case.answers[1], &[None]);
-    assert!(case.closest(&case.right()).many_ties);
+    assert!(case.closest(&case.right()).many_ambiguous_rays);
 }
 
 /// Proves that records of before ambiguous rays were judged read as they were: their shares leave these out, and what is written has no

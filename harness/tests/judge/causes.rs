@@ -21,7 +21,7 @@ fn view() -> View {
 fn seen(triangles: Vec<[[f32; 3]; 3]>, ray: Ray) -> Case {
     let mut case = Case::new(framed(triangles), vec![ray], Query::Closest);
     assert!(!case.answers[0].is_ambiguous());
-    case.samplings = vec![Sampling::new(Projection::Perspective(view()), Layers::Nearest)];
+    case.samplings = vec![SampledImage::new(Projection::Perspective(view()), Layers::Nearest)];
     case
 }
 
@@ -92,9 +92,9 @@ fn cause_occluded_or_unexplained() {
     let before = ray([-0.75, 0.1, 0.5], [0.8, 0.0, -0.6]);
     let mut behind = plate_at(0.0, 1.0);
     behind.extend(rectangle([-0.6, -0.5, 1.0], [0.2, 0.0, 0.0], [0.0, 1.0, 0.0]));
-    for (triangles, occluded) in [(plate_at(0.0, 1.0), "unexplained"), (behind, "occluded")] {
+    for (triangles, occluded) in [(plate_at(0.0, 1.0), "unexplained"), (behind, "behind_last_layer")] {
         let case = seen(triangles, before);
-        assert_eq!(case.cause("tight", &[status(Status::Occluded)]), occluded);
+        assert_eq!(case.cause("tight", &[status(Status::BehindLastLayer)]), occluded);
         for said in [Status::Miss, Status::LeftViews, Status::ThicknessRejected] {
             assert_eq!(case.cause("tight", &[status(said)]), "unexplained");
         }
@@ -116,8 +116,8 @@ fn marched(triangles: Vec<[[f32; 3]; 3]>, ray: Ray, thickness: f64) -> Case {
 }
 
 /// Proves that where a march is declared a loss is explained only by a sample that the ray passes: of a steep surface it passes the
-/// sample before or behind, as it says or not. As a negative control, once samples count from so far before them that they are met, the loss
-/// is unexplained, and a bug that drops a plate in plain sight is, whatever is said.
+/// sample before or behind, as it says or not. As a negative control, once samples count from so far before them that they are met, the
+/// loss is unexplained, and a bug that drops a plate in plain sight is, whatever is said.
 #[test]
 fn cause_thickness_rejected_or_slipped_through() {
     let level = |thickness| marched(steep(), ray([1.2, -0.2, 0.8], [-1.0, 0.0, 0.0]), thickness);

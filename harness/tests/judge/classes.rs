@@ -15,7 +15,8 @@ fn classes_of_a_ray_that_hits() {
     assert_eq!(classes(&case, hit(2.002)), [TrueHit, Late, TrueHit]);
     assert_eq!(classes(&case, hit(1.998)), [TrueHit, Early, TrueHit]);
     assert_eq!(classes(&case, hit(0.0)), [TrueHit, Early, Early]);
-    for status in [Status::Miss, Status::LeftViews, Status::StepCap, Status::ThicknessRejected, Status::Occluded] {
+    for status in [Status::Miss, Status::LeftViews, Status::StepCap, Status::ThicknessRejected, Status::BehindLastLayer]
+    {
         assert_eq!(classes(&case, Hit::miss(status)), [FalseMiss; 3]);
     }
     // What was made up counts as a hit.
@@ -78,7 +79,7 @@ fn counts_shares_and_intervals() {
     let expected = |true_hit, late| Classes { true_hit, true_miss: 37, false_hit: 3, false_miss: 5, early: 0, late };
     assert_eq!(judgement.classes.tight, expected(53, 2));
     assert_eq!(judgement.classes.footprint, expected(54, 1));
-    assert_eq!(judgement.ties, 0);
+    assert_eq!(judgement.ambiguous_rays, 0);
     let agreement = &judgement.agreement;
     assert_eq!([agreement.hit_miss, agreement.tight, agreement.footprint], [Some(0.92), Some(0.90), Some(0.91)]);
     // (p + z2/2n -+ z sqrt(p(1-p)/n + z2/4n2)) / (1 + z2/n) with z = 1.959964 and n = 100.

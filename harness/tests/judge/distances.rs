@@ -1,7 +1,7 @@
 //! Distances of told hits from the piece of mesh that is truly hit, against a search over every triangle.
 
 use super::*;
-use tracebench_harness::judge::{COMMON_TEXELS, MOST_PIECES};
+use tracebench_harness::judge::{COMMON_TEXELS, MAX_PIECES};
 use tracebench_harness::results::SurfaceDistance;
 
 fn distance(case: &Case, hits: &[Hit]) -> SurfaceDistance {
@@ -115,7 +115,7 @@ fn towards_plate() -> Ray {
 }
 
 /// Proves that a tracer's own texel is the greatest edge of its images along axes, that rays within it are counted by it, and that no more
-/// pieces are told apart than said, those with the most rays.
+/// pieces are distinguished than said, those with the most rays.
 #[test]
 fn own_texels_and_most_pieces() {
     use glam::DVec2;
@@ -129,7 +129,7 @@ fn own_texels_and_most_pieces() {
         far: 4.0,
         size: [64, 64],
     };
-    let count = MOST_PIECES + 4;
+    let count = MAX_PIECES + 4;
     let columns = || (0..count).map(|column| column as f32 / count as f32 * 4.0 - 2.0);
     let triangles: Vec<_> =
         columns().flat_map(|x| rectangle([x, -1.0, 0.0], [0.15, 0.0, 0.0], [0.0, 2.0, 0.0])).collect();
@@ -137,7 +137,7 @@ fn own_texels_and_most_pieces() {
     let mut rays: Vec<Ray> = columns().map(|x| down(x + 0.06, 0.3, 1.0)).collect();
     rays.push(Ray { origin: [rays[count - 1].origin[0], 0.1, 1.0], ..rays[count - 1] });
     let mut case = Case::new(framed(triangles), rays, Query::Closest);
-    let sampling = |texel| Sampling::new(Projection::Orthographic(image(texel)), Layers::All);
+    let sampling = |texel| SampledImage::new(Projection::Orthographic(image(texel)), Layers::All);
     case.samplings = vec![sampling(DVec2::new(0.1, 0.2)), sampling(DVec2::new(0.25, 0.1))];
     let mut hits = case.right();
     hits[0].t = 0.76;
@@ -146,7 +146,7 @@ fn own_texels_and_most_pieces() {
     assert_eq!(found.own_texel, Some(0.25));
     assert_eq!(found.within_own_texel, Some((count as f64) / (count + 1) as f64));
     assert_eq!(found.within_common_texel, Some((count - 1) as f64 / (count + 1) as f64));
-    assert_eq!(found.pieces.len(), MOST_PIECES);
+    assert_eq!(found.pieces.len(), MAX_PIECES);
     assert_eq!((found.pieces[0].rays, found.pieces[0].piece), (2, count as u32 - 1));
     assert_eq!(found.pieces[1].within_own_texel_rays, Some(1));
     assert_eq!(found.pieces[2].within_own_texel_rays, Some(0));

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use tracebench_api::{
-    Geometry, Hit, ImageMarch, Layers, MarchSteps, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View,
+    Geometry, Hit, ImageMarch, Layers, MarchSteps, NO_PRIMITIVE, Projection, Query, Ray, SampledImage, Status, View,
     Viewpoint, VoxelGrid,
 };
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
@@ -61,7 +61,7 @@ struct Case {
     rays: Arc<Vec<Ray>>,
     answers: Vec<Answer>,
     query: Query,
-    samplings: Vec<Sampling>,
+    samplings: Vec<SampledImage>,
     voxels: Option<VoxelGrid>,
 }
 

@@ -20,7 +20,7 @@ fn image() -> Orthographic {
 fn seen_by(image: Orthographic, layers: Layers, triangles: Vec<[[f32; 3]; 3]>, ray: Ray) -> Case {
     let mut case = Case::new(framed(triangles), vec![ray], Query::Closest);
     assert!(!case.answers[0].is_ambiguous());
-    case.samplings = vec![Sampling::new(Projection::Orthographic(image), layers)];
+    case.samplings = vec![SampledImage::new(Projection::Orthographic(image), layers)];
     case
 }
 

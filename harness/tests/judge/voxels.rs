@@ -19,7 +19,7 @@ fn grid() -> VoxelGrid {
     VoxelGrid { low: DVec3::splat(-2.0), voxel: DVec3::splat(0.5), size: 8, images: Some(images) }
 }
 
-fn images() -> Vec<Sampling> {
+fn images() -> Vec<SampledImage> {
     let image = |axis: usize| Orthographic {
         origin: DVec3::splat(-2.0),
         right: DVec3::AXES[(axis + 1) % 3],
@@ -29,7 +29,7 @@ fn images() -> Vec<Sampling> {
         far: 4.0,
         size: [64, 64],
     };
-    let sampling = |axis| Sampling::new(Projection::Orthographic(image(axis)), Layers::All);
+    let sampling = |axis| SampledImage::new(Projection::Orthographic(image(axis)), Layers::All);
     (0..3).map(sampling).collect()
 }
 
@@ -139,7 +139,7 @@ fn what_is_left_in_the_same_voxel_is_not_asked() {
     assert_eq!(cause(wall(0.1, 0.2), through, hit(1.6)), "several_surfaces");
 }
 
-/// Proves `wrong_axis`: the normals of a thin wall cancel, so that the ray goes by the image that shows it edge-on, between
+/// Proves `wrong_axis`: the normals of a thin wall cancel, so that the ray depends on the image that shows it edge-on, between
 /// the texels' centres, where the one along its normals would show it. As a negative control, not where the wall covers a row of
 /// centres, nor where normals are averaged as lines and choose the right image.
 #[test]
@@ -172,8 +172,8 @@ fn near_surfaces_lie_between_samples() {
 }
 
 /// Proves that a method that sees the layers of every texel is held to have asked those of the texel that its ray enters, too: a
-/// sheet that covers that texel's centre, and nothing where the ray is, contradicts itself there. As negative controls, not for one that asks
-/// as it leaves a texel, nor a closed block with the same top, nor a sheet that leaves the centre free.
+/// sheet that covers that texel's centre, and nothing where the ray is, contradicts itself there. As negative controls, not for one that
+/// asks as it leaves a texel, nor a closed block with the same top, nor a sheet that leaves the centre free.
 #[test]
 fn the_texel_that_a_ray_enters_is_asked() {
     // A border of texels at 1/16, the next centre at 1.5/16.

@@ -2,12 +2,12 @@
 //! in the tables of these.
 
 use tracebench_api::{
-    Counter, Description, Domain, EndPoint, Geometry, Hit, HitBuffer, MemoryEntry, MemoryReport, NO_PRIMITIVE,
-    ParameterDescription, ParameterScope, Parameters, PhaseClock, Residency, Status, Structure, TraceJob, Tracer,
+    Counter, Domain, Geometry, Hit, HitBuffer, MemoryEntry, MemoryReport, NO_PRIMITIVE, ParameterDescription,
+    ParameterScope, Parameters, PhaseClock, Residency, Status, Structure, TraceJob, TraceTo, Tracer, TracerDescription,
     TracerError, Update, Value, Viewpoint,
 };
-use tracebench_harness::contenders::{Family, Remedy, Shrink};
 use tracebench_harness::measure::controls::Control;
+use tracebench_harness::registrations::{Family, Remedy, Shrink};
 use tracebench_harness::registry::Registration;
 use tracebench_harness::truth::{Ray64, Truth};
 
@@ -38,7 +38,8 @@ impl Fault {
         }
     }
 
-    /// What it does wrong, as a tracer of a registry: one with a parameter to sweep, to tune, to shrink and to explain, which changes no answer.
+    /// What it does wrong, as a tracer of a registry: one with a parameter to sweep, to tune, to shrink and to explain, which changes no
+    /// answer.
     pub fn registration(self) -> Registration {
         let described = match self {
             Self::None => || describe(Self::None),
@@ -56,7 +57,7 @@ impl Fault {
                 Self::ThirdLeftOut => |_| Ok(Box::new(Self::ThirdLeftOut)),
             },
         );
-        registration.ladder = &[Remedy { cause: "leaves", parameter: "leaf", value: "1", source: "none" }];
+        registration.remedies = &[Remedy { cause: "leaves", parameter: "leaf", value: "1", source: "none" }];
         registration.shrinks = &[Shrink { axis: "leaf", steps: &["2", "1"] }];
         registration.sweep = &["leaf"];
         registration.tune = Some("leaf");
@@ -64,7 +65,7 @@ impl Fault {
     }
 }
 
-fn describe(fault: Fault) -> Description {
+fn describe(fault: Fault) -> TracerDescription {
     let leaf = ParameterDescription {
         name: "leaf",
         unit: "triangles",
@@ -75,11 +76,11 @@ fn describe(fault: Fault) -> Description {
         effect: "nothing",
         sweep: vec![Value::Integer(1), Value::Integer(2)],
     };
-    Description {
+    TracerDescription {
         name: fault.name(),
         residency: Residency::Host,
         no_refit: Some("nothing is fitted"),
-        ends: &[EndPoint::Hit],
+        ends: &[TraceTo::Hit],
         parameters: vec![leaf],
         ..Control::Oracle.description()
     }
@@ -94,7 +95,7 @@ impl Answering {
     fn over(fault: Fault, geometry: &Geometry) -> Result<Self, TracerError> {
         let mut triangles = geometry.triangles.to_vec();
         if fault == Fault::ThirdLeftOut {
-            // Its neighbour stands in its place, so that all others keep their numbers.
+            // Its neighbour is in its place, so that all others keep their numbers.
             (2..triangles.len()).step_by(3).for_each(|left_out| triangles[left_out] = triangles[left_out - 1]);
         }
         let geometry = Geometry::new(geometry.positions.to_vec(), triangles, None)?;

@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 use tracebench_api::Gpu;
 use tracebench_api::{Parameters, Preset};
-use tracebench_harness::cases::{CASES, Case, MOST_TIES};
-use tracebench_harness::contenders::{Column, Expectation, Rule};
+use tracebench_harness::cases::{CASES, Case, MAX_TIES};
 use tracebench_harness::measure::{Context, Journal};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
+use tracebench_harness::registrations::{Column, Expectation, Rule};
 use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_harness::results::{CaseRecord, MOST_UNEXPLAINED, Run, TracerRun};
+use tracebench_harness::results::{CaseRecord, MAX_UNEXPLAINED, Record, Row};
 use tracebench_harness::studies::stability::{self, CaseMatrix, Cell, ExpectedShares, Stability, Verdict};
 use tracebench_harness::truth::Cache;
 use tracebench_tests::{adapter_has_ray_queries, available};
@@ -24,8 +24,8 @@ fn gpu() -> Arc<Gpu> {
     tracebench_tests::gpu()
 }
 
-/// Every registered tracer with its published preset, then with its improved one where that has expectations of its own; those that the adapter cannot run, as
-/// if by `all`.
+/// Every registered tracer with its published preset, then with its improved one where that has expectations of its own; those that the
+/// adapter cannot run, as if by `all`.
 fn requests() -> Vec<TracerRequest> {
     let requests = |each: &'static Registration| {
         let required = available((each.describe)().name, each.create(&Ok(gpu())), &gpu()).is_some();
@@ -36,35 +36,38 @@ fn requests() -> Vec<TracerRequest> {
     TRACERS.iter().flat_map(requests).collect()
 }
 
-fn run_cases(cases: &[&Case]) -> Run {
+fn run_cases(cases: &[&Case]) -> Record {
     let (device, cache, quiet, journal) = (Ok(gpu()), Cache::none(), Progress::new(true), Journal::none());
     stability::run(cases, &requests(), &Context::new(&device, &cache, &quiet, &journal)).unwrap()
 }
 
 /// What is wrong with a case itself, whatever tracers do.
 fn flaws(case: &Case, record: &CaseRecord) -> Vec<String> {
-    let mut flaws: Vec<String> = record.void.iter().cloned().collect();
+    let mut flaws: Vec<String> = record.invalid.iter().cloned().collect();
     let mut check = |right: bool, what: String| {
         if !right {
             flaws.push(format!("{}: {what}", case.name));
         }
     };
-    for strength in &record.strengths {
-        let count = strength.rays as f64;
-        check((500..=5000).contains(&strength.rays), format!("{} rays at {}", strength.rays, strength.strength));
-        for (of, least) in [(strength.true_hits, 0.05), (strength.true_misses, 0.05)] {
-            check(of as f64 >= least * count, format!("only {of} of {count} at {}", strength.strength));
+    for difficulty_level in &record.difficulty_levels {
+        let count = difficulty_level.rays as f64;
+        check(
+            (500..=5000).contains(&difficulty_level.rays),
+            format!("{} rays at {}", difficulty_level.rays, difficulty_level.difficulty_level),
+        );
+        for (of, least) in [(difficulty_level.true_hits, 0.05), (difficulty_level.true_misses, 0.05)] {
+            check(of as f64 >= least * count, format!("only {of} of {count} at {}", difficulty_level.difficulty_level));
         }
-        let ties = strength.ties as f64 / count;
-        check(ties <= MOST_TIES, format!("{ties} ties at {}", strength.strength));
+        let ambiguous_rays = difficulty_level.ambiguous_rays as f64 / count;
+        check(ambiguous_rays <= MAX_TIES, format!("{ambiguous_rays} ties at {}", difficulty_level.difficulty_level));
     }
-    let featured = record.strengths.last().unwrap().featured;
+    let featured = record.difficulty_levels.last().unwrap().featured;
     check(featured >= case.feature.least, format!("only {featured} {}", case.feature.what));
     flaws
 }
 
 /// Holds what was found of cases against what is stated.
-fn check(cases: &[&Case], run: &Run) {
+fn check(cases: &[&Case], run: &Record) {
     let found = Stability::of(run).unwrap();
     assert_eq!(cases.len(), found.cases.len());
     for (case, record) in cases.iter().zip(&found.cases) {
@@ -76,8 +79,8 @@ fn check(cases: &[&Case], run: &Run) {
         );
         for cell in &record.cells {
             println!("{} {}: {}", case.name, cell.tracer, cell.text);
-            let runs = cell.tracer != "ray-query" || adapter_has_ray_queries(&gpu());
-            assert_eq!((cell.verdict == Verdict::Unavailable, cell.measured.is_empty()), (!runs, !runs), "{cell:?}");
+            let rows = cell.tracer != "ray-query" || adapter_has_ray_queries(&gpu());
+            assert_eq!((cell.verdict == Verdict::Unavailable, cell.measured.is_empty()), (!rows, !rows), "{cell:?}");
         }
     }
     assert_eq!(found.surprises(), Vec::<String>::new());
@@ -89,7 +92,8 @@ fn check(cases: &[&Case], run: &Run) {
 fn beyond_rounding(found: &Stability) -> Vec<String> {
     let mut cells = unexplained(found, "");
     let known = ["needles, bvh-", "face-cell-borders, dirt", "secondary-depth-ratio, voxel-abuffer:improved"];
-    // Answers that the judge finds no evidence for: planes of the quadtree and in texels, seams of pixels at the eye, and marches past the last step.
+    // Answers that the judge finds no evidence for: planes of the quadtree and in texels, seams of pixels at the eye, and marches past the
+    // last step.
     let without_evidence = [
         "edge-on, quadtree: ",
         "voxel-stack, quadtree: ",
@@ -113,8 +117,8 @@ fn unexplained(found: &Stability, tracers: &str) -> Vec<String> {
     for CaseMatrix { case, cells: of_case } in &found.cases {
         for cell in of_case.iter().filter(|cell| cell.tracer.starts_with(tracers)) {
             let most = cell.measured.iter().map(|each| each.unexplained).fold(0.0, f64::max);
-            assert_eq!(most > MOST_UNEXPLAINED, cell.text.contains("the cause is not known"), "{cell:?}");
-            if most > MOST_UNEXPLAINED {
+            assert_eq!(most > MAX_UNEXPLAINED, cell.text.contains("the cause is not known"), "{cell:?}");
+            if most > MAX_UNEXPLAINED {
                 cells.push(format!("{}, {}: {most}", case.name, cell.tracer));
             }
         }
@@ -123,7 +127,7 @@ fn unexplained(found: &Stability, tracers: &str) -> Vec<String> {
 }
 
 /// The committed record of a matrix.
-fn committed(folder: &str) -> Run {
+fn committed(folder: &str) -> Record {
     let path = format!("{}/../results/software-stability/{folder}", env!("CARGO_MANIFEST_DIR"));
     tracebench_harness::report::read_run(path.as_ref()).unwrap()
 }
@@ -181,7 +185,7 @@ fn differing(found: &Stability, others: &[Stability]) -> Vec<String> {
     differing
 }
 
-/// Proves for every case that at every strength some rays hit, some miss and few are ties, that at the hardest enough
+/// Proves for every case that at every difficulty level some rays hit, some miss and few are ambiguous rays, that at the hardest enough
 /// show the difficulty, that the controls score what they must; and for every tracer that it is as wrong as stated, or
 /// shown as unavailable where the adapter cannot run it.
 #[test]
@@ -192,12 +196,12 @@ fn every_tracer_is_as_expected() {
 }
 
 /// What was found, as text that is the same for the same: answers and judgements, no times.
-fn figures(run: &Run) -> Vec<String> {
-    let row = |row: &TracerRun| {
+fn figures(run: &Record) -> Vec<String> {
+    let row = |row: &Row| {
         let traces: Vec<_> = row.traces.iter().map(|trace| (&trace.hits_sha256, &trace.judgement)).collect();
-        format!("{} {:?} {} {traces:?}", row.scene.name, row.strength, row.tracer.label())
+        format!("{} {:?} {} {traces:?}", row.scene.name, row.difficulty_level, row.tracer.label())
     };
-    run.controls.iter().chain(&run.runs).map(row).collect()
+    run.controls.iter().chain(&run.rows).map(row).collect()
 }
 
 /// Proves the same of every ninth case, and that the program still finds what the committed matrix says of them: where that says
@@ -227,8 +231,8 @@ fn the_matrix_is_repeatable() {
     assert_eq!(figures(&run_cases(&cases)), figures(&run_cases(&cases)));
 }
 
-/// Proves that names are unique and fit for a command line, that knobs go one way, that what may be refused is so from one of a knob's values
-/// on, and that what may be wrong has a reason.
+/// Proves that names are unique and fit for a command line, that difficulty parameters go one way, that what may be refused is so from one
+/// of a difficulty parameter's values on, and that what may be wrong has a reason.
 #[test]
 fn the_registry_is_sane() {
     let mut names: Vec<_> = CASES.iter().map(|case| case.name).collect();
@@ -237,7 +241,7 @@ fn the_registry_is_sane() {
     names.dedup();
     assert_eq!(names.len(), CASES.len());
     for case in CASES {
-        let values = case.knob.values;
+        let values = case.difficulty_parameter.values;
         assert!((4..=6).contains(&values.len()), "{}", case.name);
         let rising = values.windows(2).all(|pair| pair[0] < pair[1]);
         let falling = values.windows(2).all(|pair| pair[0] > pair[1]);
@@ -258,7 +262,7 @@ fn the_registry_is_sane() {
             assert!(column[..index].iter().all(|(other, _)| *other != name), "{tracer}: {name} twice");
             let expected = match expected {
                 Expectation::Refusable { from, otherwise } => {
-                    assert!(case.knob.values[1..].contains(from), "{tracer}, {name}: {from}");
+                    assert!(case.difficulty_parameter.values[1..].contains(from), "{tracer}, {name}: {from}");
                     otherwise
                 }
                 Expectation::Rasterized { wrong_by_snapping, reason, otherwise, .. } => {
@@ -277,9 +281,9 @@ fn the_registry_is_sane() {
     }
 }
 
-/// Proves that something is stated for every tracer on every case, of both presets, and where rays may be wrong how many at every strength but
-/// those that it may refuse; that an improved preset which is the published one has no expectations of its own; and that the file of shares is
-/// as the program writes it.
+/// Proves that something is stated for every tracer on every case, of both presets, and where rays may be wrong how many at every
+/// difficulty level but those that it may refuse; that an improved preset which is the published one has no expectations of its own; and
+/// that the file of shares is as the program writes it.
 #[test]
 fn every_case_is_stated() {
     let shares = ExpectedShares::stated().unwrap();
@@ -289,7 +293,7 @@ fn every_case_is_stated() {
         let differ = parameters(Preset::Published) != parameters(Preset::Improved);
         assert!(differ || tracer.improved.is_none(), "{}", tracer.name());
         for (preset, case) in Preset::ALL.into_iter().flat_map(|preset| CASES.iter().map(move |case| (preset, case))) {
-            let (column, values) = (tracer.column(preset), case.knob.values);
+            let (column, values) = (tracer.column(preset), case.difficulty_parameter.values);
             let cell = format!("{column} on {}", case.name);
             let expected = tracer.expected_of(preset, case.name).unwrap_or_else(|| panic!("{cell} is unstated"));
             let record = expected.record(values, None);
@@ -332,10 +336,10 @@ fn adapters_have_columns() {
     ] {
         assert!(ExpectedShares::parse(wrong).is_err(), "{wrong}");
     }
-    let refused = |run: &Run| stated.clone().take(run).unwrap_err().to_string();
+    let refused = |run: &Record| stated.clone().take(run).unwrap_err().to_string();
     let cases = record.cases.as_mut().unwrap();
-    cases.cases[0].void = Some("the oracle erred".to_owned());
-    assert!(refused(&record).contains("void"));
+    cases.cases[0].invalid = Some("the oracle erred".to_owned());
+    assert!(refused(&record).contains("invalid"));
     record.cases.as_mut().unwrap().cases[0].tracers[0].tracer.changed.push("build".to_owned());
     assert!(refused(&record).contains("--set"));
     record.cases = None;

@@ -3,10 +3,10 @@
 use super::faults::Fault;
 use super::*;
 use tracebench_harness::cases::find;
-use tracebench_harness::contenders::Family;
-use tracebench_harness::measure::Contender;
+use tracebench_harness::measure::TracerConfig;
 use tracebench_harness::measure::controls::Control;
 use tracebench_harness::measure::session::Session;
+use tracebench_harness::registrations::Family;
 use tracebench_harness::registry;
 use tracebench_harness::results::CaseTracer;
 use tracebench_harness::studies::stability::{Candidate, CaseMatrix, measure, prepare};
@@ -24,7 +24,7 @@ fn bvh_cpu() -> Registration {
 }
 
 /// Runs candidates without a device.
-fn run_of(cases: &[&Case], candidates: &[Candidate]) -> Run {
+fn run_of(cases: &[&Case], candidates: &[Candidate]) -> Record {
     let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     measure(cases, candidates, &Context::new(&device, &cache, &quiet, &journal)).unwrap()
@@ -36,19 +36,19 @@ fn measured(case: &Case, candidates: &[Candidate]) -> CaseMatrix {
 
 fn verdict(case: &Case, candidate: Candidate) -> (Verdict, String) {
     let CaseMatrix { case, cells } = measured(case, &[candidate]);
-    assert_eq!(case.void, None);
+    assert_eq!(case.invalid, None);
     (cells[0].verdict, cells[0].text.clone())
 }
 
 /// `bvh-cpu` built over a session's scene.
-fn built(session: &Session) -> Contender {
+fn built(session: &Session) -> TracerConfig {
     let registration = bvh_cpu();
     let description = (registration.describe)();
     let parameters = Parameters::preset(&description.parameters, Preset::Published);
     let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
-    let mut contender = Contender::create(description, parameters, || registration.create(&device)).unwrap();
-    session.sample_build(&mut contender).unwrap();
-    contender
+    let mut config = TracerConfig::create(description, parameters, || registration.create(&device)).unwrap();
+    session.sample_build(&mut config).unwrap();
+    config
 }
 
 /// Cells that a tracer with a fault passes, by fault and case, and why it cannot be told there.
@@ -110,15 +110,15 @@ fn tracers_with_faults_are_unexpected_in_all_cells_but_those_listed() {
     };
     let cases: Vec<&Case> = CASES.iter().collect();
     let mut run = run_of(&cases, &[nothing(Fault::EveryTenth)]);
-    run.runs.append(&mut run.controls);
-    let tracer = |name: &str| run.runs.iter().find(|row| row.tracer.name == name).unwrap().tracer.clone();
+    run.rows.append(&mut run.controls);
+    let tracer = |name: &str| run.rows.iter().find(|row| row.tracer.name == name).unwrap().tracer.clone();
     let tenth = ("every-tenth", tracer(Fault::EveryTenth.name()));
     let [miss, hit, oracle] = ["always-miss", "always-hit", "oracle"].map(|name| (name, tracer(name)));
     let subjects = [miss, hit, tenth, oracle];
     let shares = Arc::new(ExpectedShares::stated().unwrap());
     let columns: Vec<Candidate> = requests().iter().map(|request| Candidate::of(request, &shares)).collect();
     for (case, record) in CASES.iter().zip(&mut run.cases.as_mut().unwrap().cases) {
-        assert_eq!(record.void, None);
+        assert_eq!(record.invalid, None);
         record.tracers.clear();
         for (column, (_, tracer)) in columns.iter().flat_map(|column| subjects.iter().map(move |each| (column, each))) {
             let expectation = column.record(case, "software", None);
@@ -136,7 +136,7 @@ fn tracers_with_faults_are_unexpected_in_all_cells_but_those_listed() {
             let expectation = cell.expectation.as_ref().unwrap();
             if subject == "oracle" {
                 let must_err = |index| expectation.expected_share(index).is_some_and(|share| share > 0.01);
-                let expected = (0..case.knob.values.len()).any(must_err);
+                let expected = (0..case.difficulty_parameter.values.len()).any(must_err);
                 assert_eq!(cell.verdict.is_unexpected(), expected, "{}, {}: {}", case.name, column.column, cell.text);
                 right_unexpected += usize::from(expected);
             } else if !cell.verdict.is_unexpected() {
@@ -161,7 +161,7 @@ fn falsified_expectations_fail() {
     let failure = Expectation::KnownFailure { rule: Rule::HitMiss, reason: "none", source: "none" };
     let bounded = Expectation::Bounded { rule: Rule::HitMiss, reason: "none" };
     let case = find("edge-on").unwrap();
-    // What never fails, said to fail at the hardest strength, or before it.
+    // What never fails, said to fail at the hardest difficulty level, or before it.
     for shares in ["45:0 80:0 87:0 89:0 89.8:0 89.98:20", "45:0 80:20 87:0 89:0 89.8:0 89.98:0"] {
         let (verdict, text) = verdict(case, candidate(bvh_cpu(), case, failure, shares));
         assert_eq!(verdict, Verdict::UnexpectedSuccess, "{text}");
@@ -169,10 +169,11 @@ fn falsified_expectations_fail() {
     }
     // What fails, said to be exact, or to fail less or more; what is true passes.
     let needles = find("needles").unwrap();
-    let stated = ExpectedShares::stated().unwrap().of("bvh-cpu", needles.name, "software", needles.knob.values);
+    let stated =
+        ExpectedShares::stated().unwrap().of("bvh-cpu", needles.name, "software", needles.difficulty_parameter.values);
     let times = |factor: f64| {
         let at = |(value, share): (&f64, &Option<f64>)| format!("{value}:{}", factor * 100.0 * share.unwrap());
-        needles.knob.values.iter().zip(&stated).map(at).collect::<Vec<_>>().join(" ")
+        needles.difficulty_parameter.values.iter().zip(&stated).map(at).collect::<Vec<_>>().join(" ")
     };
     for (expected, factor, wanted) in [
         (Expectation::Exact, 1.0, Verdict::UnexpectedFailure),
@@ -187,7 +188,7 @@ fn falsified_expectations_fail() {
         assert_eq!(verdict, wanted, "{text}");
     }
     assert_eq!(verdict(case, candidate(bvh_cpu(), case, Expectation::Exact, "")).0, Verdict::Exact);
-    // What is not stated is shown as such: no expectation, or no share; and where a strength has none it is said.
+    // What is not stated is shown as such: no expectation, or no share; and where a difficulty level has none it is said.
     let nothing = Candidate { expected: Vec::new(), ..candidate(bvh_cpu(), case, Expectation::Exact, "") };
     for unstated in [nothing, candidate(bvh_cpu(), case, failure, "")] {
         let (verdict, text) = verdict(case, unstated);
@@ -220,7 +221,7 @@ fn a_case_that_shows_nothing_is_noticed() {
     for case in CASES {
         let mut record = measured(case, &[]).case;
         assert_eq!(flaws(case, &record), Vec::<String>::new());
-        record.strengths.truncate(1);
+        record.difficulty_levels.truncate(1);
         assert_eq!(flaws(case, &record).len(), 1, "{}", case.name);
     }
 }
@@ -231,11 +232,11 @@ fn needles_are_lost_on_edges() {
     let case = find("needles").unwrap();
     let setup = (case.make)(8192.0).unwrap();
     let session = prepare(case, &setup, None).unwrap().keeping_wrong_rays(usize::MAX);
-    let contender = built(&session);
+    let config = built(&session);
     let rays = &session.rays[0];
-    let mut hits = session.hit_buffer(&contender, rays).unwrap();
-    session.sample_trace(&contender, rays, &mut hits, 1).unwrap();
-    let mut judgement = session.judge(&contender, rays, &hits.read(None).unwrap()).unwrap();
+    let mut hits = session.hit_buffer(&config, rays).unwrap();
+    session.sample_trace(&config, rays, &mut hits, 1).unwrap();
+    let mut judgement = session.judge(&config, rays, &hits.read(None).unwrap()).unwrap();
     let wrong = judgement.wrong_rays_mut();
     assert!(wrong.len() > 50 && wrong.iter().all(|ray| ray.index % 2 == 0 && ray.class == "false_miss"));
 }
@@ -244,10 +245,10 @@ fn needles_are_lost_on_edges() {
 #[test]
 fn equal_triangles_make_hierarchies_deep() {
     let case = find("equal-triangles").unwrap();
-    let setup = (case.make)(*case.knob.values.last().unwrap()).unwrap();
+    let setup = (case.make)(*case.difficulty_parameter.values.last().unwrap()).unwrap();
     let session = prepare(case, &setup, None).unwrap();
-    let contender = built(&session);
-    let statistics = contender.structure().unwrap().validate(session.geometry()).unwrap();
+    let config = built(&session);
+    let statistics = config.structure().unwrap().validate(session.geometry()).unwrap();
     let depth = statistics.iter().find(|(name, _)| *name == "depth").unwrap().1;
     assert!(depth > 32.0, "{depth}");
 }

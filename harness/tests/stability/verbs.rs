@@ -4,15 +4,15 @@ use std::path::Path;
 
 use super::faults::Fault;
 use super::*;
-use tracebench_api::{EndPoint, TracerError};
+use tracebench_api::{TraceTo, TracerError};
 use tracebench_harness::cases::find;
 use tracebench_harness::files::OutputFolder;
 use tracebench_harness::judge::WRONG_RAYS_PER_CAUSE;
 use tracebench_harness::measure::execute;
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
-use tracebench_harness::report::{MOST_BYTES, Makers, html_page, write_derived};
-use tracebench_harness::results::{AxisRecord, Judgement, Sampling, TraceRecord};
+use tracebench_harness::report::{MAX_BYTES, Makers, html_page, write_derived};
+use tracebench_harness::results::{AxisRecord, Judgement, SampleSchedule, TraceRecord};
 use tracebench_harness::studies::explain;
 use tracebench_harness::studies::need;
 use tracebench_harness::studies::pareto::{Extent, Pareto};
@@ -25,7 +25,7 @@ use tracebench_harness::{papers, peers, tables};
 /// A few rays in a small scene.
 fn plan(scene: &str, tracers: &[TracerRequest]) -> Plan {
     let preset = RunPreset::named("smoke").unwrap();
-    let sampling = Sampling::rounds(1);
+    let sampling = SampleSchedule::rounds(1);
     Plan {
         scenes: vec![SceneSource::Catalogue(scene.to_owned())],
         tracers: tracers.to_vec(),
@@ -35,7 +35,7 @@ fn plan(scene: &str, tracers: &[TracerRequest]) -> Plan {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }
@@ -46,7 +46,7 @@ fn axis(request: &TracerRequest) -> AxisRecord {
 }
 
 /// A verb at its smallest, once over all tracers or once for each.
-type Verb = fn(&[TracerRequest], &Context<'_>) -> Vec<Run>;
+type Verb = fn(&[TracerRequest], &Context<'_>) -> Vec<Record>;
 
 const VERBS: &[(&str, Verb)] = &[
     ("run", |tracers, context| vec![execute(&plan("candy", tracers), context).unwrap()]),
@@ -58,7 +58,7 @@ const VERBS: &[(&str, Verb)] = &[
         tracers.iter().map(sweep).collect()
     }),
     ("pareto", |tracers, context| {
-        let extent = Extent { most_points: 2, rays_per_pixel: vec![1.0] };
+        let extent = Extent { max_points: 2, rays_per_pixel: vec![1.0] };
         vec![Pareto::new(&plan("candy", tracers), &extent).unwrap().execute(false, context).unwrap()]
     }),
     ("need", |tracers, context| vec![need::execute(&plan("candy", tracers), false, context).unwrap()]),
@@ -71,7 +71,7 @@ const VERBS: &[(&str, Verb)] = &[
     ("explain", |tracers, context| {
         let explain = |request: &TracerRequest| {
             let plan = plan("candy", std::slice::from_ref(request));
-            explain::execute(&plan, request, request.registration.ladder, context).unwrap()
+            explain::execute(&plan, request, request.registration.remedies, context).unwrap()
         };
         tracers.iter().map(explain).collect()
     }),
@@ -128,15 +128,15 @@ fn shown(verb: &str, trace: &TraceRecord) -> Vec<String> {
 }
 
 /// The pages of a record.
-fn pages(run: &Run, folder: &Path) -> String {
+fn pages(run: &Record, folder: &Path) -> String {
     let paths = write_derived(run, &OutputFolder::open(folder).unwrap(), tables::of_run).unwrap();
     let pages = paths.iter().filter(|path| path.extension().is_some_and(|end| end == "md"));
     pages.map(|path| std::fs::read_to_string(path).unwrap()).collect()
 }
 
-/// Proves that every verb that judges, and the page that `reproduce` makes of their records, shows an oracle as right in every row, and as less
-/// right, by a share between none and all, a tracer that is blind, one that errs on every tenth ray, and one whose structure lacks every third
-/// triangle.
+/// Proves that every verb that judges, and the page that `reproduce` makes of their records, shows an oracle as right in every row, and as
+/// less right, by a share between none and all, a tracer that is blind, one that errs on every tenth ray, and one whose structure lacks
+/// every third triangle.
 #[test]
 fn every_verb_shows_planted_faults() {
     let device = Err(TracerError::Unavailable("no device is needed".to_owned()));
@@ -151,7 +151,7 @@ fn every_verb_shows_planted_faults() {
         for run in measure(&tracers, &context) {
             let page = pages(&run, folder.path());
             for fault in Fault::ALL {
-                let rows = || run.runs.iter().filter(|row| row.tracer.name == fault.name());
+                let rows = || run.rows.iter().filter(|row| row.tracer.name == fault.name());
                 for trace in rows().flat_map(|row| &row.traces) {
                     let right = right(trace);
                     // A handful of rays may all be right, or all wrong, by chance.
@@ -172,13 +172,13 @@ fn every_verb_shows_planted_faults() {
             records.push((verb.to_string(), run));
         }
         let of_verb = records.iter().filter(|(name, _)| name == verb);
-        let names: Vec<&str> = of_verb.flat_map(|(_, run)| &run.runs).map(|row| row.tracer.name.as_str()).collect();
+        let names: Vec<&str> = of_verb.flat_map(|(_, run)| &run.rows).map(|row| row.tracer.name.as_str()).collect();
         assert!(Fault::ALL.iter().all(|fault| names.contains(&fault.name())), "{verb}: {names:?}");
     }
     let makers = Makers { tables: tables::of_run, claims: papers::claims_of };
-    let html = html_page(&records, &[], makers, "tracebench report", MOST_BYTES).unwrap().html;
+    let html = html_page(&records, &[], makers, "tracebench report", MAX_BYTES).unwrap().html;
     for (verb, run) in &records {
-        let faulty = run.runs.iter().filter(|row| row.tracer.name != Fault::None.name());
+        let faulty = run.rows.iter().filter(|row| row.tracer.name != Fault::None.name());
         let said: Vec<String> = faulty.flat_map(|row| &row.traces).flat_map(|trace| shown(verb, trace)).collect();
         let cell = |text: &String| text.replace("| ", ">").replace(" |", "<");
         if !said.is_empty() && !said.iter().any(|share| html.contains(&cell(share))) {

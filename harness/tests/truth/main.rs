@@ -1,11 +1,11 @@
 //! The f64 ground truth against an oracle in integers: vertices, origins and directions are integers, so hit or miss,
 //! the nearest triangle and t are known exactly.
 
+mod ambiguous_rays;
 mod caching;
 mod exact;
 mod hits;
 mod pieces;
-mod ties;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

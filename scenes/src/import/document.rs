@@ -7,7 +7,7 @@ use gltf::json::validation::{Error as Violation, Validate};
 use gltf::json::{Root, Value};
 
 use super::rules::shown;
-use super::strip::{Facts, strip};
+use super::strip::{StrippedParts, strip};
 
 /// A document all of whose indices are in range, and what is needed beside it.
 pub(super) struct Document<'a> {
@@ -16,7 +16,7 @@ pub(super) struct Document<'a> {
     /// The binary chunk of a `.glb`.
     pub(super) blob: Option<&'a [u8]>,
     /// What was stripped and is worth a word to the user.
-    pub(super) facts: Facts,
+    pub(super) facts: StrippedParts,
 }
 
 /// Parses `.gltf` or `.glb` bytes; the error says what is wrong and what to do.

@@ -30,7 +30,7 @@ use self::buffers::Buffers;
 use self::document::Document;
 use self::geometry::Geometry;
 use self::motion::Motion;
-use self::strip::Facts;
+use self::strip::StrippedParts;
 use crate::error::SceneError;
 use crate::scene::{ImportNotes, Origin, Scene};
 
@@ -147,7 +147,7 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     Ok(scene)
 }
 
-fn warn_facts(facts: &Facts, warnings: &mut Vec<String>) {
+fn warn_facts(facts: &StrippedParts, warnings: &mut Vec<String>) {
     if facts.zero_strides > 0 {
         warnings.push(format!(
             "buffer views with a byteStride of 0 are read as if it were not given ({})",

@@ -11,12 +11,12 @@ pub(super) struct Placed {
     /// Which of the placed nodes is its parent; it comes before.
     pub(super) parent: Option<usize>,
     /// To its parent's space, at rest.
-    pub(super) local: Local,
+    pub(super) local: LocalTransform,
 }
 
 /// How a node stands in its parent's space.
 #[derive(Clone, Copy)]
-pub(super) enum Local {
+pub(super) enum LocalTransform {
     /// By a matrix, which cannot be animated.
     Matrix(DMat4),
     /// By properties, each of which can be.
@@ -32,7 +32,7 @@ pub(super) struct Properties {
     pub(super) scale: DVec3,
 }
 
-impl Local {
+impl LocalTransform {
     /// As a matrix, in f64.
     pub(super) fn matrix(&self) -> DMat4 {
         match self {
@@ -90,13 +90,13 @@ fn parentless(root: &Root) -> Result<Vec<usize>, String> {
 }
 
 /// A matrix goes before translation, rotation and scale, of which glTF allows it no company.
-fn local(index: usize, node: &Node, warnings: &mut Vec<String>) -> Local {
+fn local(index: usize, node: &Node, warnings: &mut Vec<String>) -> LocalTransform {
     if let Some(matrix) = node.matrix {
         let (matrix, given) = affine(matrix.map(f64::from));
         if !given {
             warnings.push(format!("nodes[{index}] has a matrix that is not affine: its last row is taken as 0 0 0 1"));
         }
-        return Local::Matrix(matrix);
+        return LocalTransform::Matrix(matrix);
     }
     let translation = node.translation.map_or(DVec3::ZERO, to_f64);
     let scale = node.scale.map_or(DVec3::ONE, to_f64);
@@ -107,7 +107,7 @@ fn local(index: usize, node: &Node, warnings: &mut Vec<String>) -> Local {
             DQuat::IDENTITY
         }),
     };
-    Local::Properties(Properties { translation, rotation, scale })
+    LocalTransform::Properties(Properties { translation, rotation, scale })
 }
 
 /// A matrix from its columns with 0 0 0 1 for its last row, and whether that is what it was.

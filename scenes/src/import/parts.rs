@@ -144,7 +144,7 @@ fn open_part(
     *total = total.saturating_add(triangles as u64);
     super::geometry::check_total(*total)?;
     let vertices = match &indices {
-        Some(indices) => greatest_index(&accessors.view(indices), positions.count()).map_err(fail)?,
+        Some(indices) => max_index(&accessors.view(indices), positions.count()).map_err(fail)?,
         None => length,
     };
     let targets = open_targets(accessors, primitive, vertices).map_err(fail)?;
@@ -206,7 +206,7 @@ fn check_count(what: &str, accessor: Option<&Accessor>, vertices: usize) -> Resu
 }
 
 /// One more than the greatest index, all of which must be below `vertices`.
-fn greatest_index(indices: &Elements<'_>, vertices: usize) -> Result<usize, String> {
+fn max_index(indices: &Elements<'_>, vertices: usize) -> Result<usize, String> {
     let mut end = 0;
     for at in 0..indices.count() {
         let index = indices.index(at) as usize;

@@ -9,7 +9,7 @@ use gltf::json::validation::Checked;
 
 use super::accessor::{Accessors, Kind};
 use super::buffers::Bytes;
-use super::nodes::{Local, Placed, Properties, affine};
+use super::nodes::{LocalTransform, Placed, Properties, affine};
 use super::sampler::Sampler;
 use crate::scene::ImportNotes;
 
@@ -126,7 +126,7 @@ impl Rig {
             notes.warnings.push(format!("nodes[{node}] has animated weights and no morph targets: they are ignored"));
             return Ok(());
         }
-        let has_matrix = matches!(self.placed[place].local, Local::Matrix(_));
+        let has_matrix = matches!(self.placed[place].local, LocalTransform::Matrix(_));
         if has_matrix && property != Property::MorphTargetWeights {
             return Err(format!(
                 "nodes[{node}] has a matrix, and only translation, rotation and scale can be animated"
@@ -178,7 +178,7 @@ impl Rig {
             let value = channel.sampler.at(bytes, time_s);
             if channel.property == Property::MorphTargetWeights {
                 weights.insert(channel.place, value);
-            } else if let Local::Properties(rest) = self.placed[channel.place].local {
+            } else if let LocalTransform::Properties(rest) = self.placed[channel.place].local {
                 let own = moved.entry(channel.place).or_insert(rest);
                 match (channel.property, value.as_slice()) {
                     (Property::Translation, &[x, y, z]) => own.translation = DVec3::new(x, y, z),
@@ -190,7 +190,8 @@ impl Rig {
         }
         let mut worlds: Vec<DMat4> = Vec::with_capacity(self.placed.len());
         for (place, own) in self.placed.iter().enumerate() {
-            let local = moved.get(&place).map_or(own.local, |properties| Local::Properties(*properties)).matrix();
+            let local =
+                moved.get(&place).map_or(own.local, |properties| LocalTransform::Properties(*properties)).matrix();
             worlds.push(own.parent.map_or(local, |parent| worlds[parent] * local));
         }
         let skin = |skin: &Option<Skin>| match skin {

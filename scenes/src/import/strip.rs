@@ -8,7 +8,7 @@ use super::rules::{self, Rule};
 
 /// What was stripped and may change what the user sees.
 #[derive(Debug, Default)]
-pub(super) struct Facts {
+pub(super) struct StrippedParts {
     /// Names of the animations after the first, which is the one that is played.
     pub(super) other_animations: Vec<String>,
     /// Channels of the first animation that move no property of a node.
@@ -34,7 +34,7 @@ const LISTS: &[(&str, &str)] = &[
 const ORTHOGRAPHIC: &str = r#"{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}}"#;
 
 /// Strips `document` in place.
-pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
+pub(super) fn strip(document: &mut Value) -> Result<StrippedParts, String> {
     keep(
         document,
         &[
@@ -161,8 +161,8 @@ fn reached(document: &Value) -> HashSet<(&'static str, usize)> {
 }
 
 /// Keeps the first animation, and of that the channels that move a property of a node.
-fn strip_animations(document: &mut Value) -> Facts {
-    let mut facts = Facts::default();
+fn strip_animations(document: &mut Value) -> StrippedParts {
+    let mut facts = StrippedParts::default();
     let Some(animations) = document.get_mut("animations").and_then(Value::as_array_mut) else {
         return facts;
     };

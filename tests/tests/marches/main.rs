@@ -10,12 +10,12 @@ use std::sync::Arc;
 use reference::Depths;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    Structure, TraceJob, Tracer, View, Viewpoint,
+    Counter, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
+    Structure, TraceJob, TraceTo, Tracer, View, Viewpoint,
 };
 use tracebench_harness::registry::find;
 use tracebench_harness::viewpoint::Pose;
-use tracebench_kit::{DrawnBy, EyeDepthTarget, LayerTarget, NearestLayers, NearestScene};
+use tracebench_kit::{EyeDepthTarget, LayerTarget, NearestLayers, NearestScene, RasterBackend};
 use tracebench_tests::{Numbers, gpu, ray, soup};
 
 /// From the origin along -z: 90 degrees across, over odd numbers of pixels.
@@ -130,7 +130,7 @@ impl Built {
     /// The same structure asked with other parameters of traces.
     fn hits_with(&self, parameters: &Parameters, rays: &[Ray]) -> (Vec<Hit>, Vec<Counter>) {
         let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters };
+        let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters };
         let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let mut clock = PhaseClock::new(Some(&self.gpu));
@@ -159,7 +159,7 @@ fn draw(geometry: &Geometry, view: &View, layers: u32, separation: f32, backs: b
     let images = if backs { 2 * layers } else { layers };
     let target = EyeDepthTarget::of_images(&gpu, view.size, images).unwrap();
     let (geometry, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
-    let scene = NearestScene { drawn_by: DrawnBy::Raster, view, geometry, triangle_count };
+    let scene = NearestScene { raster_backend: RasterBackend::Raster, view, geometry, triangle_count };
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     for layer in 0..images {
         let passed = match (layer, layer.checked_sub(layers)) {
@@ -179,8 +179,8 @@ fn draw(geometry: &Geometry, view: &View, layers: u32, separation: f32, backs: b
 /// How far eye space is shifted to find rays whose answer rounding may decide, scene units.
 const SHIFT: f64 = 3e-5;
 
-/// Holds hits against a reference in f64 that is also asked after shifts of the ray: where these answer otherwise, rounding may decide. Gives how
-/// many rays were compared, and what is wrong.
+/// Holds hits against a reference in f64 that is also asked after shifts of the ray: where these answer otherwise, rounding may decide.
+/// Gives how many rays were compared, and what is wrong.
 fn compare(rays: &[Ray], hits: &[Hit], reference: impl Fn(&Ray, DVec3) -> Option<f64>) -> (usize, Vec<String>) {
     let (mut compared, mut wrong) = (0, Vec::new());
     for (ray, hit) in rays.iter().zip(hits) {

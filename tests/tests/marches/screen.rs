@@ -13,7 +13,7 @@ const BUILDS: [&[(&str, &str)]; 4] = [
     &[],
     &[("layers", "2"), ("layer_separation", "0.002")],
     &[("thickness_from", "back_faces")],
-    &[("layers", "3"), ("thickness_from", "back_faces"), ("reads", "texture")],
+    &[("layers", "3"), ("thickness_from", "back_faces"), ("memory_access", "texture")],
 ];
 
 /// What is traced with.

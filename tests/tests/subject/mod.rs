@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    Structure, TraceJob, Tracer, TracerError, Viewpoint,
+    Counter, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
+    Structure, TraceJob, TraceTo, Tracer, TracerError, Viewpoint,
 };
 use tracebench_harness::registry::find;
 use tracebench_scenes::procedural;
@@ -45,7 +45,7 @@ impl Subject {
     /// Hits and counters, by variants that must agree.
     pub fn answer(&self, structure: &dyn Structure, rays: &[Ray], query: Query) -> (Vec<Hit>, Vec<Counter>) {
         let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &self.parameters };
+        let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &self.parameters };
         let mut hits = HitBuffer::new(rays.host.len(), self.residency, Some(&self.gpu)).unwrap();
         let mut clock = PhaseClock::new(Some(&self.gpu));
         structure.trace(job, &mut hits, &mut clock).unwrap();

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::hostile::{Subject, scenes, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,
-    Projection, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TracerError,
+    Counter, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,
+    Projection, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TraceTo, TracerError,
 };
 use tracebench_harness::registry::TRACERS;
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
@@ -71,8 +71,8 @@ fn answers_are_whole_and_repeatable() {
                 assert_eq!(bytes(&counted), bytes(&first), "{context}: counted");
                 assert!(counters.iter().any(|counter| counter.total > 0), "{context}");
                 for counter in counters {
-                    let Counter { name, total, greatest_per_ray } = counter;
-                    let greatest = greatest_per_ray.unwrap_or(total);
+                    let Counter { name, total, max_per_ray } = counter;
+                    let greatest = max_per_ray.unwrap_or(total);
                     // Of needles, which are thin, a sampled method may store nothing and so find nothing to open or test; of hits that
                     // are counted by where they lie, a scene may have none.
                     assert!(total > 0 || scene.name == "needles" || name.starts_with("hits_"), "{context}: {name}");
@@ -95,16 +95,22 @@ fn descriptions_say_what_is_served() {
     for subject in subjects() {
         let described = (tracebench_harness::registry::find(subject.name).unwrap().describe)();
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
-        for (end, query) in EndPoint::ALL.into_iter().flat_map(|end| Query::ALL.map(|query| (end, query))) {
+        for (trace_to, query) in TraceTo::ALL.into_iter().flat_map(|trace_to| Query::ALL.map(|query| (trace_to, query)))
+        {
             let rays = subject.rays(&scene.rays, query);
-            let mut hits = HitBuffer::for_end(end, rays.host.len(), described.residency, Some(&subject.gpu)).unwrap();
+            let mut hits =
+                HitBuffer::tracing_to(trace_to, rays.host.len(), described.residency, Some(&subject.gpu)).unwrap();
             hits.poison(Some(&subject.gpu)).unwrap();
             let mut clock = PhaseClock::new(Some(&subject.gpu));
-            let job = TraceJob { end, ..subject.job(&rays) };
+            let job = TraceJob { trace_to, ..subject.job(&rays) };
             let traced = structure.trace(job, &mut hits, &mut clock).and_then(|()| clock.finish().map(drop));
-            let served = described.ends.contains(&end) && described.queries.contains(&query);
+            let served = described.ends.contains(&trace_to) && described.queries.contains(&query);
             let refused = matches!(traced, Err(TracerError::Unsupported(_)));
-            assert!(if served { traced.is_ok() } else { refused }, "{}: {end:?}, {query:?}: {traced:?}", subject.name);
+            assert!(
+                if served { traced.is_ok() } else { refused },
+                "{}: {trace_to:?}, {query:?}: {traced:?}",
+                subject.name
+            );
         }
         let foreign = Parameters::preset(&[], Preset::Published);
         let mut clock = PhaseClock::new(Some(&subject.gpu));

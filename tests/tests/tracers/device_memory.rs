@@ -13,8 +13,8 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, ParameterScope, Parameters, PhaseClock, Query,
-    RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, ParameterScope, Parameters, PhaseClock, Query, RayBuffer,
+    Residency, Structure, TraceJob, TraceTo, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_harness::registry::TRACERS;
 use tracebench_scenes::procedural;
@@ -177,18 +177,18 @@ impl Subject {
         &self,
         structure: &dyn Structure,
         count: usize,
-        end: EndPoint,
+        trace_to: TraceTo,
     ) -> Option<(Vec<Allocation>, Vec<MemoryEntry>)> {
         // They meet nothing: what is traced does not matter here.
         let rays = vec![ray(DVec3::new(0.1, 0.2, 500.0), DVec3::Z); count];
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&self.gpu));
-        let mut hits = HitBuffer::for_end(end, count, Residency::Device, Some(&self.gpu)).unwrap();
+        let mut hits = HitBuffer::tracing_to(trace_to, count, Residency::Device, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let before = allocations(&self.gpu, true);
         let mut clock = PhaseClock::new(Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end, parameters: &self.parameters };
+        let job = TraceJob { rays: &rays, trace_to, parameters: &self.parameters };
         match structure.trace(job, &mut hits, &mut clock) {
-            Err(TracerError::Unsupported(_)) if end == EndPoint::Surface && !self.is_preset => return None,
+            Err(TracerError::Unsupported(_)) if trace_to == TraceTo::Surface && !self.is_preset => return None,
             served => served.unwrap_or_else(|error| panic!("{}: {error}", self.name)),
         }
         let recorded = allocations(&self.gpu, false);
@@ -247,7 +247,7 @@ fn hold(gpu: &Arc<Gpu>, subjects: &[Subject], scenes: &[Geometry], counts: &[usi
                 Err(TracerError::Unavailable(_)) if !subject.is_preset => continue,
                 built => built.unwrap().0,
             };
-            for end in EndPoint::ALL {
+            for end in TraceTo::ALL {
                 subject.trace(&*structure, 1, end);
             }
             drop(structure);
@@ -264,7 +264,7 @@ fn hold(gpu: &Arc<Gpu>, subjects: &[Subject], scenes: &[Geometry], counts: &[usi
             let held: u64 = added(&before, recorded).iter().map(|each| smallest(&rules, each)).sum();
             let peak = structure.memory().build_peak_bytes;
             assert!(peak >= held, "{context}: a peak of {peak}, {held} were held");
-            for (count, end) in counts.iter().flat_map(|count| EndPoint::ALL.map(|end| (*count, end))) {
+            for (count, end) in counts.iter().flat_map(|count| TraceTo::ALL.map(|end| (*count, end))) {
                 let Some((traced, told)) = subject.trace(&*structure, count, end) else { continue };
                 let told = MemoryReport { structure: told, ..Default::default() };
                 assert_eq!(wrong(&rules, &told, &traced), Vec::<String>::new(), "{context}, {count} rays to {end:?}");

@@ -56,7 +56,7 @@ fn builds_are_sound_and_repeatable() {
             let mut clock = PhaseClock::new(Some(&subject.gpu));
             structure.update(Update::Rebuild, &scene.geometry, &second, &subject.parameters, &mut clock).unwrap();
             clock.finish().unwrap();
-            if structure.make_room().unwrap() {
+            if structure.grow_on_overflow().unwrap() {
                 let mut clock = PhaseClock::new(Some(&subject.gpu));
                 structure.update(Update::Rebuild, &scene.geometry, &second, &subject.parameters, &mut clock).unwrap();
                 clock.finish().unwrap();

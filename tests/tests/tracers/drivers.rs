@@ -1,4 +1,4 @@
-//! Whether drivers answer alike: hits of every tracer over the same scenes, left in a folder by one process a driver and held against
+//! Whether drivers answer alike: hits of every tracer over the same scenes, left in a folder by one process a driver and compared with
 //! what others left there.
 
 use std::collections::BTreeMap;

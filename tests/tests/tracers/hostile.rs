@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    Structure, TraceJob, Tracer, TracerError, Viewpoint,
+    Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Structure,
+    TraceJob, TraceTo, Tracer, TracerError, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_tests::{Numbers, available, gpu, presets, ray, rectangle, soup, viewpoint};
@@ -21,7 +21,7 @@ pub struct Subject {
     pub tracer: Rc<dyn Tracer>,
     pub gpu: Arc<Gpu>,
     /// How far its traces go.
-    pub end: EndPoint,
+    pub trace_to: TraceTo,
 }
 
 impl Subject {
@@ -40,7 +40,7 @@ impl Subject {
             parameters,
             tracer,
             gpu: Arc::clone(&gpu),
-            end: EndPoint::Hit,
+            trace_to: TraceTo::Hit,
         };
         let presets = presets(&description.parameters).into_iter();
         presets.filter_map(|(preset, parameters)| Some((preset, parameters, tracer.clone()?))).map(subject).collect()
@@ -60,13 +60,13 @@ impl Subject {
     }
 
     pub fn poisoned(&self, count: usize) -> HitBuffer {
-        let mut hits = HitBuffer::for_end(self.end, count, self.residency, Some(&self.gpu)).unwrap();
+        let mut hits = HitBuffer::tracing_to(self.trace_to, count, self.residency, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         hits
     }
 
     pub fn job<'a>(&'a self, rays: &'a RayBuffer) -> TraceJob<'a> {
-        TraceJob { rays, end: self.end, parameters: &self.parameters }
+        TraceJob { rays, trace_to: self.trace_to, parameters: &self.parameters }
     }
 
     pub fn try_trace(

@@ -7,7 +7,7 @@ mod drawn_in_compute;
 mod drivers;
 mod ends;
 mod hostile;
-mod means;
+mod launch;
 mod scales;
 mod shared_edges;
 mod shared_structures;

@@ -1,12 +1,12 @@
-//! That one structure serves every value of a trace parameter, as descriptions promise and the harness relies on: contenders that
+//! That one structure serves every value of a trace parameter, as descriptions promise and the harness relies on: configurations that
 //! differ in parameters of the trace alone share what is built.
 
 use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{
-    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, ParameterScope, Parameters, PhaseClock, Preset, Query,
-    RayBuffer, Structure, TraceJob, Tracer, Viewpoint,
+    Geometry, Gpu, Hit, HitBuffer, ParameterScope, Parameters, PhaseClock, Preset, Query, RayBuffer, Structure,
+    TraceJob, TraceTo, Tracer, TracerDescription, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS, find};
 use tracebench_scenes::procedural;
@@ -15,7 +15,7 @@ use tracebench_tests::{Numbers, available, gpu, ray, viewpoint};
 /// A tracer over the room seen from within, with rays from all over it and the structure that its preset builds.
 struct Subject {
     gpu: Arc<Gpu>,
-    description: Description,
+    description: TracerDescription,
     tracer: Box<dyn Tracer>,
     geometry: Geometry,
     view: Viewpoint,
@@ -55,7 +55,7 @@ impl Subject {
         changed.set(described, parameter, value).unwrap();
         let own = build(&*self.tracer, &self.geometry, &self.view, &changed, &self.gpu);
         [&self.preset, &own].map(|structure| {
-            let job = TraceJob { rays: &self.rays, end: EndPoint::Hit, parameters: &changed };
+            let job = TraceJob { rays: &self.rays, trace_to: TraceTo::Hit, parameters: &changed };
             let mut hits = HitBuffer::new(self.rays.host.len(), self.description.residency, Some(&self.gpu)).unwrap();
             let mut clock = PhaseClock::new(Some(&self.gpu));
             structure.trace(job, &mut hits, &mut clock).unwrap();
@@ -75,7 +75,7 @@ fn build(
     let mut clock = PhaseClock::new(Some(gpu));
     let mut structure = tracer.build(geometry, view, parameters, &mut clock).unwrap();
     clock.finish().unwrap();
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     structure
 }
 

@@ -3,13 +3,13 @@
 use crate::hostile::{Subject, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Hit, HitBuffer, Projection, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus,
+    Geometry, Hit, HitBuffer, Projection, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus, TraceTo,
 };
 
 /// Tolerance of positions in units of f32's precision at the scene's and the ray's coordinates: sums of a few products.
 const POSITION_ROUNDINGS: f64 = 16.0;
 
-/// Tolerance of an average of normals, which stands in few bits, and of its length.
+/// Tolerance of an average of normals, which is in few bits, and of its length.
 const AVERAGE_TOLERANCE: f64 = 3e-4;
 
 /// Tolerance of the normal of a plane that is stored as two slopes of sixteen bits over an image, in a cube whose edges may be stretched.
@@ -42,7 +42,7 @@ fn is_average(normal: DVec3, others: &[DVec3], tolerance: f64) -> bool {
     rest.length() < tolerance && (normal.length() - 1.0).abs() < AVERAGE_TOLERANCE
 }
 
-/// What is wrong with a surface, by f64 and the hit alone. A hit that names no triangle is held against the ray's own point,
+/// What is wrong with a surface, by f64 and the hit alone. A hit that names no triangle is compared with the ray's own point,
 /// and its normal against all normals that the scene has, or against averages of those nearby where the structure keeps such.
 fn wrong(
     subject: &Subject,
@@ -160,9 +160,9 @@ fn surfaces_are_those_of_the_hits() {
             for query in [Query::Closest, Query::Any] {
                 let context = format!("{} {:?} on {}, {query:?}", subject.name, subject.parameters, scene.name);
                 let rays = subject.rays(&scene.rays, query);
-                subject.end = EndPoint::Hit;
+                subject.trace_to = TraceTo::Hit;
                 let hits = subject.trace(&*structure, &rays);
-                subject.end = EndPoint::Surface;
+                subject.trace_to = TraceTo::Surface;
                 let (same, surfaces) = subject.surfaces(&*structure, &rays);
                 assert_eq!(bytes(&same), bytes(&hits), "{context}");
                 assert_eq!(surfaces.len(), hits.len(), "{context}");
@@ -191,7 +191,7 @@ fn surfaces_are_those_of_the_hits() {
 #[test]
 fn wrong_surfaces_are_noticed() {
     for mut subject in subjects() {
-        subject.end = EndPoint::Surface;
+        subject.trace_to = TraceTo::Surface;
         let scene = small_scenes().remove(1);
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
         let (hits, surfaces) = subject.surfaces(&*structure, &subject.rays(&scene.rays, Query::Closest));
@@ -219,7 +219,7 @@ fn wrong_surfaces_are_noticed() {
 #[test]
 fn no_room_for_surfaces_is_an_error() {
     for mut subject in subjects() {
-        subject.end = EndPoint::Surface;
+        subject.trace_to = TraceTo::Surface;
         let scene = small_scenes().remove(1);
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
         let rays = subject.rays(&scene.rays, Query::Closest);

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Invalidation, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Geometry, Gpu, Hit, HitBuffer, Invalidation, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Structure,
+    TraceJob, TraceTo, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_scenes::{Scene, procedural};
@@ -67,11 +67,11 @@ impl Subject {
             let timing = clock.finish()?;
             assert!(timing.total_ms >= 0.0 && !timing.phases.is_empty(), "{}", self.name);
             // What is sized from counts may need more room for what moved, as the harness gives it.
-            if structure.make_room()? {
+            if structure.grow_on_overflow()? {
                 let mut clock = PhaseClock::new(Some(&self.gpu));
                 structure.update(Update::Rebuild, geometry, viewpoint, &self.parameters, &mut clock)?;
                 clock.finish()?;
-                assert!(!structure.make_room()?, "{}", self.name);
+                assert!(!structure.grow_on_overflow()?, "{}", self.name);
             }
         }
         Ok(())
@@ -83,7 +83,7 @@ impl Subject {
         let mut hits = HitBuffer::new(rays.host.len(), residency, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let mut clock = PhaseClock::new(Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &self.parameters };
+        let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &self.parameters };
         structure.trace(job, &mut hits, &mut clock).unwrap();
         clock.finish().unwrap();
         hits.read(Some(&self.gpu)).unwrap()
@@ -158,7 +158,7 @@ fn structures_follow(name: &str, time_s: f64) {
             let before = subject.hits(&*structure, &rays);
             let hit_count = before.iter().filter(|hit| hit.is_hit()).count();
             assert!(hit_count > 100, "{context}: {hit_count} hits");
-            moving = moving.moved_to(later.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+            moving = moving.with_positions(later.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
             // What is not served is told before and refused in the same words.
             let served = (subject.registration.describe)().serves(update);
             match subject.update(&mut *structure, update, &moving, &view) {
@@ -168,7 +168,7 @@ fn structures_follow(name: &str, time_s: f64) {
                     assert_eq!(update, Update::Refit, "{context}: {error}");
                     let as_before = subject.hits(&*structure, &rays) == before;
                     assert!(as_before || structure.memory().geometry_bytes > 0, "{context}");
-                    let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                    let _back = moving.with_positions(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
                     assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
                     continue;
                 }
@@ -179,14 +179,14 @@ fn structures_follow(name: &str, time_s: f64) {
                 // What asks the scene's own vertices while it traces has moved ones in stale places, until they are back.
                 assert!(found == before || structure.memory().geometry_bytes > 0, "{context}");
                 assert!(found != expected, "{context}: nothing moves");
-                let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                let _back = moving.with_positions(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
                 assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
                 continue;
             }
             let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();
             assert_eq!(same, rays.len(), "{context} {}", update.name());
             structure.validate(&moving).unwrap();
-            moving = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+            moving = moving.with_positions(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
             subject.update(&mut *structure, update, &moving, &view).unwrap();
             assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context} {}", update.name());
         }
@@ -240,7 +240,7 @@ fn other_triangles_are_refused() {
         let error = subject.update(&mut *structure, Update::Refit, &others.unwrap(), &view).unwrap_err();
         assert!(!error.to_string().is_empty());
         assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{}", subject.name);
-        let error = geometry.moved_to(other.mesh.positions.clone(), Some(&subject.gpu)).unwrap_err();
+        let error = geometry.with_positions(other.mesh.positions.clone(), Some(&subject.gpu)).unwrap_err();
         assert!(error.to_string().contains("vertices"), "{error}");
     }
 }

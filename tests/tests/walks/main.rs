@@ -6,7 +6,7 @@ mod seams;
 mod tasks;
 
 use reference::{Plane, Span, frustum, leaves_by, pixel_planes, stray_span};
-use tasks::{MOST_PIECES, Piece, Task, choose, enter, follow, hostile, walk};
+use tasks::{MAX_PIECES, Piece, Task, choose, enter, follow, hostile, walk};
 use tracebench_api::glam::DVec2;
 
 /// Spans of rays in their views that are not f64's, and the number of rays that are surely in view.
@@ -57,7 +57,7 @@ fn other_spans_are_noticed() {
 
 /// Walks that are not f64's, and the number of steps: a walk's pieces must follow one upon the other from the beginning of the
 /// span in the view to its end, and each must lie in its cell.
-fn stray_walks(tasks: &[Task], spans: &[[f32; 4]], found: &[[Piece; MOST_PIECES]]) -> (Vec<String>, usize) {
+fn stray_walks(tasks: &[Task], spans: &[[f32; 4]], found: &[[Piece; MAX_PIECES]]) -> (Vec<String>, usize) {
     let (mut strays, mut steps) = (Vec::new(), 0);
     for ((task, span), pieces) in tasks.iter().zip(spans).zip(found) {
         let ray = task.eye_ray();
@@ -113,7 +113,7 @@ fn walks_are_those_of_f64() {
 fn other_walks_are_noticed() {
     let tasks = hostile();
     let (spans, found) = (enter(&tasks), walk(&tasks));
-    let notices = |change: &dyn Fn(&mut Task, &mut [Piece; MOST_PIECES])| {
+    let notices = |change: &dyn Fn(&mut Task, &mut [Piece; MAX_PIECES])| {
         let (mut tasks, mut found) = (tasks.clone(), found.clone());
         tasks.iter_mut().zip(&mut found).for_each(|(task, found)| change(task, found));
         stray_walks(&tasks, &spans, &found).0.len()

@@ -10,8 +10,8 @@ use tracebench_tests::{Numbers, gpu};
 
 use crate::reference::{EyeRay, Span};
 
-/// `MOST_PIECES` of shaders/test/walk_functions.wgsl.
-pub const MOST_PIECES: usize = 96;
+/// `MAX_PIECES` of shaders/test/walk_functions.wgsl.
+pub const MAX_PIECES: usize = 96;
 
 /// `Task` of shaders/test/walk_functions.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -76,14 +76,14 @@ pub fn enter(tasks: &[Task]) -> Vec<[f32; 4]> {
 }
 
 /// The walk of every ray over its view's image.
-pub fn walk(tasks: &[Task]) -> Vec<[Piece; MOST_PIECES]> {
+pub fn walk(tasks: &[Task]) -> Vec<[Piece; MAX_PIECES]> {
     let pieces: Vec<Piece> = tasks.chunks(1000).flat_map(walk_some).collect();
-    let (walks, _) = pieces.as_chunks::<MOST_PIECES>();
+    let (walks, _) = pieces.as_chunks::<MAX_PIECES>();
     walks.to_vec()
 }
 
 fn walk_some(tasks: &[Task]) -> Vec<Piece> {
-    let bytes = tasks.len() * MOST_PIECES * size_of::<Piece>();
+    let bytes = tasks.len() * MAX_PIECES * size_of::<Piece>();
     bytemuck::pod_collect_to_vec(&run("walk", tasks.len(), &[(0, bytemuck::cast_slice(tasks))], (2, bytes)))
 }
 

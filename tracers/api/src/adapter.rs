@@ -88,7 +88,7 @@ const LIMITS_VARIABLE: &str = "TRACEBENCH_LIMITS";
 
 /// An adapter as users see it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AdapterListing {
+pub struct AdapterInfo {
     /// The adapter's name.
     pub name: String,
     /// `vulkan`, `metal`, `dx12`, ...
@@ -122,7 +122,7 @@ const WANTED_FEATURES: Features =
     TIMESTAMP_FEATURES.union(Features::EXPERIMENTAL_RAY_QUERY).union(Features::SHADER_EARLY_DEPTH_TEST);
 
 /// The adapters of this machine, in the driver's order; empty without a Vulkan loader, Metal or DirectX 12.
-pub fn list_adapters() -> Vec<AdapterListing> {
+pub fn list_adapters() -> Vec<AdapterInfo> {
     enumerate().iter().map(|adapter| listing(adapter, DeviceLimits::Adapter)).collect()
 }
 
@@ -141,7 +141,7 @@ fn is_untold(count: &u32) -> bool {
     *count == 0
 }
 
-pub(crate) fn listing(adapter: &wgpu::Adapter, within: DeviceLimits) -> AdapterListing {
+pub(crate) fn listing(adapter: &wgpu::Adapter, within: DeviceLimits) -> AdapterInfo {
     let (info, (limits, features)) = (adapter.get_info(), within.of(adapter));
     let kind = match info.device_type {
         DeviceType::DiscreteGpu => "discrete",
@@ -150,7 +150,7 @@ pub(crate) fn listing(adapter: &wgpu::Adapter, within: DeviceLimits) -> AdapterL
         DeviceType::Cpu => "software",
         DeviceType::Other => "other",
     };
-    AdapterListing {
+    AdapterInfo {
         name: info.name,
         backend: info.backend.to_string(),
         kind: kind.to_owned(),
@@ -171,7 +171,7 @@ fn preference(kind: &str) -> u32 {
         as u32
 }
 
-pub(crate) fn choose(listings: &[AdapterListing], wanted: Option<&str>) -> Result<usize, TracerError> {
+pub(crate) fn choose(listings: &[AdapterInfo], wanted: Option<&str>) -> Result<usize, TracerError> {
     if listings.is_empty() {
         return Err(TracerError::Unavailable(
             "no graphics adapter was found: install a Vulkan loader and driver (setup.sh does this on Debian and \
@@ -197,8 +197,8 @@ pub(crate) fn choose(listings: &[AdapterListing], wanted: Option<&str>) -> Resul
 mod tests {
     use super::*;
 
-    fn adapter(name: &str, kind: &str) -> AdapterListing {
-        AdapterListing {
+    fn adapter(name: &str, kind: &str) -> AdapterInfo {
+        AdapterInfo {
             name: name.to_owned(),
             backend: "vulkan".to_owned(),
             kind: kind.to_owned(),

@@ -50,7 +50,7 @@ impl Timing {
     /// time, or a quarter of a millisecond, outside of them, none lasts longer on the device than the host waited for it, and they are
     /// not late now and then. A stamp that the driver takes too late, or a wrong period, would show as a speed that
     /// nothing has.
-    pub fn believable(samples: &[Timing]) -> bool {
+    pub fn plausible(samples: &[Timing]) -> bool {
         let pairs: Vec<_> =
             samples.iter().filter_map(|sample| Some((sample.total_ms, sample.submit_to_done_ms?))).collect();
         let covered = |&(device, host): &(f64, f64)| host - device <= f64::max(device, Self::OVERHEAD_MS);
@@ -136,8 +136,8 @@ impl<'gpu> PhaseClock<'gpu> {
         record: impl FnOnce(&mut wgpu::CommandEncoder),
     ) -> Result<(), TracerError> {
         let gpu = self.gpu.ok_or_else(|| TracerError::Unavailable("this phase runs on a device".to_owned()))?;
-        if self.device_phases.len() >= Stamps::MOST_PHASES {
-            return Err(TracerError::Failed(format!("more than {} phases", Stamps::MOST_PHASES)));
+        if self.device_phases.len() >= Stamps::MAX_PHASES {
+            return Err(TracerError::Failed(format!("more than {} phases", Stamps::MAX_PHASES)));
         }
         let encoder = self.encoder.get_or_insert_with(|| gpu.device.create_command_encoder(&Default::default()));
         if let (Some(stamps), true) = (&gpu.stamps, self.device_phases.is_empty()) {
@@ -241,11 +241,11 @@ impl Gpu {
     /// [`TracerError::Failed`] if the device fails.
     pub fn tick_ms(&self) -> Result<Option<f64>, TracerError> {
         let Some(stamps) = &self.stamps else { return Ok(None) };
-        let bytes = Stamps::bytes(Stamps::MOST_PHASES);
+        let bytes = Stamps::bytes(Stamps::MAX_PHASES);
         let mut ticks: Vec<u64> = Vec::new();
         while ticks.len() < PROBED {
             let mut encoder = self.device.create_command_encoder(&Default::default());
-            (0..=Stamps::MOST_PHASES as u32).for_each(|phases| stamps.write(&mut encoder, phases));
+            (0..=Stamps::MAX_PHASES as u32).for_each(|phases| stamps.write(&mut encoder, phases));
             stamps.resolve(&mut encoder, bytes);
             self.queue.submit([encoder.finish()]);
             self.wait()?;
@@ -268,10 +268,10 @@ pub(crate) struct Stamps {
 }
 
 impl Stamps {
-    const MOST_PHASES: usize = 32;
+    const MAX_PHASES: usize = 32;
 
     pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let size = Self::bytes(Self::MOST_PHASES);
+        let size = Self::bytes(Self::MAX_PHASES);
         let buffer = |label, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
@@ -337,23 +337,23 @@ mod tests {
             submit_to_done_ms: Some(host),
             grown: false,
         };
-        assert!(!Timing::believable(&[sample(0.04, 13.4), sample(0.05, 22.0)]));
-        assert!(!Timing::believable(&[sample(20.0, 20.3), sample(40.0, 20.3)]));
-        assert!(Timing::believable(&[sample(20.0, 20.3), sample(20.0, 55.0)]));
-        assert!(Timing::believable(&[sample(0.02, 0.2)]));
-        assert!(!Timing::believable(&[sample(0.05, 0.9)]));
-        assert!(Timing::believable(&[]));
+        assert!(!Timing::plausible(&[sample(0.04, 13.4), sample(0.05, 22.0)]));
+        assert!(!Timing::plausible(&[sample(20.0, 20.3), sample(40.0, 20.3)]));
+        assert!(Timing::plausible(&[sample(20.0, 20.3), sample(20.0, 55.0)]));
+        assert!(Timing::plausible(&[sample(0.02, 0.2)]));
+        assert!(!Timing::plausible(&[sample(0.05, 0.9)]));
+        assert!(Timing::plausible(&[]));
         // Late in one of three samples; in none; late in as many on a machine that lets the host wait by as much; late once.
         let told = |times: &[(f64, f64)]| {
             let times = times.iter().cycle().take(30);
-            Timing::believable(&times.map(|&(device, host)| sample(device, host)).collect::<Vec<_>>())
+            Timing::plausible(&times.map(|&(device, host)| sample(device, host)).collect::<Vec<_>>())
         };
         assert!(!told(&[(6.6, 6.8), (0.9, 6.4), (6.5, 6.7)]));
         assert!(told(&[(6.6, 6.8), (6.2, 6.4), (6.5, 6.7)]));
         assert!(told(&[(6.6, 6.8), (6.5, 9.7), (6.7, 13.0)]));
         let mut once = vec![sample(6.6, 6.8); 29];
         once.push(sample(0.9, 6.4));
-        assert!(Timing::believable(&once));
+        assert!(Timing::plausible(&once));
         let submitted = sample(0.04, 13.4).by_submission();
         assert_eq!((submitted.clock, submitted.total_ms), (ClockKind::SubmitToDone, 13.4));
     }

@@ -9,7 +9,7 @@ pub enum TracerError {
     #[error("not available on this machine: {0}")]
     Unavailable(String),
     /// A buffer or texture is larger than the device can create or bind.
-    #[error("{name} needs {bytes} bytes, the device allows {limit}: turn down {turn_down}")]
+    #[error("{name} needs {bytes} bytes, the device allows {limit}: turn down {hint}")]
     TooLarge {
         /// The structure's name, as its paper calls it.
         name: String,
@@ -18,7 +18,7 @@ pub enum TracerError {
         /// The device's limit in the same unit.
         limit: u64,
         /// The parameter or option that makes it smaller.
-        turn_down: String,
+        hint: String,
     },
     /// The query or end point is one that this tracer does not serve.
     #[error("not supported: {0}")]

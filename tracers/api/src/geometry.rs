@@ -85,7 +85,7 @@ impl Geometry {
     ///
     /// # Errors
     /// [`TracerError::Failed`] for another number of vertices.
-    pub fn moved_to(self, positions: Vec<[f32; 3]>, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+    pub fn with_positions(self, positions: Vec<[f32; 3]>, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
         if positions.len() != self.positions.len() {
             return Err(TracerError::Failed(format!(
                 "a scene of {} vertices cannot move to {} positions",

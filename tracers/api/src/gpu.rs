@@ -7,7 +7,7 @@ use wgpu::{BufferUsages, DownlevelFlags, Features};
 
 use crate::adapter::{choose, enumerate, listing};
 use crate::clock::Stamps;
-use crate::{AdapterChoice, AdapterListing, Rasterizer, TracerError};
+use crate::{AdapterChoice, AdapterInfo, Rasterizer, TracerError};
 
 /// A device that is ready for use, within the limits that were chosen. One sample is timed at a time: two
 /// threads that time on one device get errors.
@@ -20,7 +20,7 @@ pub struct Gpu {
     /// The device's limits.
     pub limits: wgpu::Limits,
     /// What to tell users about it.
-    pub listing: AdapterListing,
+    pub listing: AdapterInfo,
     pub(crate) stamps: Option<Stamps>,
     rasterizer: OnceLock<Rasterizer>,
     errors: Arc<Mutex<Vec<String>>>,
@@ -126,23 +126,12 @@ impl Gpu {
     /// Creates a zeroed buffer of at least 4 bytes (sizes are rounded up to 4).
     ///
     /// # Errors
-    /// [`TracerError::TooLarge`] beyond the device's limits, naming `turn_down` as the remedy.
-    pub fn buffer(
-        &self,
-        name: &str,
-        bytes: u64,
-        usage: BufferUsages,
-        turn_down: &str,
-    ) -> Result<wgpu::Buffer, TracerError> {
+    /// [`TracerError::TooLarge`] beyond the device's limits, naming `hint` as the remedy.
+    pub fn buffer(&self, name: &str, bytes: u64, usage: BufferUsages, hint: &str) -> Result<wgpu::Buffer, TracerError> {
         let size = bytes.max(4).next_multiple_of(4);
         let limit = self.limits.max_buffer_size;
         if size > limit {
-            return Err(TracerError::TooLarge {
-                name: name.to_owned(),
-                bytes: size,
-                limit,
-                turn_down: turn_down.to_owned(),
-            });
+            return Err(TracerError::TooLarge { name: name.to_owned(), bytes: size, limit, hint: hint.to_owned() });
         }
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(name),
@@ -163,9 +152,9 @@ impl Gpu {
         name: &str,
         contents: &[u8],
         usage: BufferUsages,
-        turn_down: &str,
+        hint: &str,
     ) -> Result<wgpu::Buffer, TracerError> {
-        let buffer = self.buffer(name, contents.len() as u64, usage | BufferUsages::COPY_DST, turn_down)?;
+        let buffer = self.buffer(name, contents.len() as u64, usage | BufferUsages::COPY_DST, hint)?;
         self.queue.write_buffer(&buffer, 0, contents);
         Ok(buffer)
     }
@@ -174,12 +163,12 @@ impl Gpu {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if not.
-    pub fn check_storage_binding(&self, name: &str, bytes: u64, turn_down: &str) -> Result<(), TracerError> {
+    pub fn check_storage_binding(&self, name: &str, bytes: u64, hint: &str) -> Result<(), TracerError> {
         let limit = self.limits.max_storage_buffer_binding_size;
         if bytes <= limit {
             return Ok(());
         }
-        Err(TracerError::TooLarge { name: name.to_owned(), bytes, limit, turn_down: turn_down.to_owned() })
+        Err(TracerError::TooLarge { name: name.to_owned(), bytes, limit, hint: hint.to_owned() })
     }
 
     /// Copies the first `bytes` (a multiple of 4) of a buffer with usage `COPY_SRC` to the host.

@@ -23,7 +23,7 @@ mod tracer;
 mod transfer;
 mod viewpoint;
 
-pub use adapter::{AdapterChoice, AdapterListing, DeviceLimits, list_adapters};
+pub use adapter::{AdapterChoice, AdapterInfo, DeviceLimits, list_adapters};
 pub use allocations::Allocations;
 pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing, tick_ms};
 pub use declared::{Choice, Parameter, ParameterType};
@@ -33,11 +33,11 @@ pub use gpu::Gpu;
 pub use memory::{Ledger, MemoryEntry, MemoryReport};
 pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScope, Parameters, Preset, Value};
 pub use rasterizer::Rasterizer;
-pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
+pub use ray::{Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus, TraceTo};
 pub use sampling::{
-    ImageChoice, ImageMarch, Layers, LineOfSight, MarchSteps, Orthographic, Projection, Sampling, VoxelGrid,
+    ImageChoice, ImageMarch, Layers, LineOfSight, MarchSteps, Orthographic, Projection, SampledImage, VoxelGrid,
 };
-pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};
+pub use tracer::{Counter, Invalidation, Residency, Structure, TraceJob, Tracer, TracerDescription, Update};
 pub use transfer::{HitBuffer, RayBuffer};
 pub use viewpoint::{Projected, View, Viewpoint};
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::EndPoint;
+use crate::TraceTo;
 
 /// One buffer, texture or host allocation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,10 +44,10 @@ impl MemoryReport {
     }
 
     /// Bytes of scene geometry that must stay resident to trace to an end.
-    pub fn geometry_bytes_to(&self, end: EndPoint) -> u64 {
-        match end {
-            EndPoint::Hit => self.geometry_bytes,
-            EndPoint::Surface => self.surface_geometry_bytes,
+    pub fn geometry_bytes_to(&self, trace_to: TraceTo) -> u64 {
+        match trace_to {
+            TraceTo::Hit => self.geometry_bytes,
+            TraceTo::Surface => self.surface_geometry_bytes,
         }
     }
 
@@ -121,8 +121,8 @@ mod tests {
         assert_eq!(report.structure_bytes(), 120);
         assert_eq!(report.build_peak_bytes, 150);
         assert_eq!(report.geometry_bytes, 7);
-        assert_eq!(EndPoint::ALL.map(|end| report.geometry_bytes_to(end)), [7, 7]);
+        assert_eq!(TraceTo::ALL.map(|end| report.geometry_bytes_to(end)), [7, 7]);
         let with_surfaces = report.with_surface_geometry(9);
-        assert_eq!(EndPoint::ALL.map(|end| with_surfaces.geometry_bytes_to(end)), [7, 9]);
+        assert_eq!(TraceTo::ALL.map(|end| with_surfaces.geometry_bytes_to(end)), [7, 9]);
     }
 }

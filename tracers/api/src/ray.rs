@@ -71,7 +71,7 @@ pub enum Status {
     /// Nothing found; the ray passed behind at least one stored surface by more than the thickness.
     ThicknessRejected = 5,
     /// Nothing found; the ray passed through space that the method's last layer hides, and what lies there it does not know.
-    Occluded = 6,
+    BehindLastLayer = 6,
     /// A hit that the method made up where the ray entered space that its layers hide: on what its image shows just before.
     Inpainted = 7,
 }
@@ -85,7 +85,7 @@ impl Status {
         Self::LeftViews,
         Self::StepCap,
         Self::ThicknessRejected,
-        Self::Occluded,
+        Self::BehindLastLayer,
         Self::Inpainted,
     ];
 
@@ -103,7 +103,7 @@ impl Status {
             Self::LeftViews => "left_views",
             Self::StepCap => "step_cap",
             Self::ThicknessRejected => "thickness_rejected",
-            Self::Occluded => "occluded",
+            Self::BehindLastLayer => "behind_last_layer",
             Self::Inpainted => "inpainted",
         }
     }
@@ -132,7 +132,7 @@ impl Query {
 /// How far a trace goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum EndPoint {
+pub enum TraceTo {
     /// `t`, identity and status are resident.
     #[default]
     Hit,
@@ -140,9 +140,9 @@ pub enum EndPoint {
     Surface,
 }
 
-impl EndPoint {
+impl TraceTo {
     /// Every end point.
-    pub const ALL: [EndPoint; 2] = [Self::Hit, Self::Surface];
+    pub const ALL: [TraceTo; 2] = [Self::Hit, Self::Surface];
 
     /// The name used on the command line and in results.
     pub fn name(self) -> &'static str {
@@ -241,7 +241,7 @@ mod tests {
     /// Names of end points lead back to them.
     #[test]
     fn end_points_are_found_by_name() {
-        assert_eq!(EndPoint::ALL.map(|end| EndPoint::named(end.name())), EndPoint::ALL.map(Some));
-        assert_eq!(EndPoint::named("shade"), None);
+        assert_eq!(TraceTo::ALL.map(|end| TraceTo::named(end.name())), TraceTo::ALL.map(Some));
+        assert_eq!(TraceTo::named("shade"), None);
     }
 }

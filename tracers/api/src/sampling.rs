@@ -6,7 +6,7 @@ use crate::{Projected, Ray, View};
 
 /// One image that a structure sees the scene through.
 #[derive(Clone, Copy, Debug)]
-pub struct Sampling {
+pub struct SampledImage {
     /// Where its pixels look.
     pub projection: Projection,
     /// What it keeps at a pixel.
@@ -51,7 +51,7 @@ pub enum MarchSteps {
     },
 }
 
-impl Sampling {
+impl SampledImage {
     /// An image, without how rays are traced over it.
     pub fn new(projection: Projection, layers: Layers) -> Self {
         Self { projection, layers, march: None }

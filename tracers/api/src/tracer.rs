@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::{
-    EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query,
-    RayBuffer, Sampling, TracerError, Viewpoint, VoxelGrid,
+    Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query, RayBuffer,
+    SampledImage, TraceTo, TracerError, Viewpoint, VoxelGrid,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -31,7 +31,7 @@ pub enum Invalidation {
 
 /// A tracer as data.
 #[derive(Clone, Debug, Serialize)]
-pub struct Description {
+pub struct TracerDescription {
     /// Stable name.
     pub name: &'static str,
     /// The work that describes the method.
@@ -45,7 +45,7 @@ pub struct Description {
     /// Whether its hits name the triangle.
     pub names_primitives: bool,
     /// The ends that it traces to.
-    pub ends: &'static [EndPoint],
+    pub ends: &'static [TraceTo],
     /// The queries that it answers.
     pub queries: &'static [Query],
     /// Why its structures cannot be fitted to moved vertices ([`Update::Refit`]); none where they can.
@@ -54,7 +54,7 @@ pub struct Description {
     pub parameters: Vec<ParameterDescription>,
 }
 
-impl Description {
+impl TracerDescription {
     /// That a structure follows changes in a way: what [`Structure::update`] says of the way itself, before there is one.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ pub struct TraceJob<'a> {
     /// The rays, with the query.
     pub rays: &'a RayBuffer,
     /// How far to go.
-    pub end: EndPoint,
+    pub trace_to: TraceTo,
     /// The tracer's parameters; those of the build scope are the ones that the structure was built with.
     pub parameters: &'a Parameters,
 }
@@ -86,7 +86,7 @@ pub struct Counter {
     /// Over all rays.
     pub total: u64,
     /// The largest of any one ray; none for what is counted of the set as a whole.
-    pub greatest_per_ray: Option<u64>,
+    pub max_per_ray: Option<u64>,
 }
 
 impl Counter {
@@ -94,12 +94,12 @@ impl Counter {
     pub fn of(name: &'static str, per_ray: impl IntoIterator<Item = u64>) -> Self {
         let (total, greatest) =
             per_ray.into_iter().fold((0, 0), |(total, most), count| (total + count, u64::max(most, count)));
-        Self { name, total, greatest_per_ray: Some(greatest) }
+        Self { name, total, max_per_ray: Some(greatest) }
     }
 
     /// A count of the set as a whole, such as what of the structure any ray touched.
     pub fn of_set(name: &'static str, total: u64) -> Self {
-        Self { name, total, greatest_per_ray: None }
+        Self { name, total, max_per_ray: None }
     }
 }
 
@@ -129,7 +129,7 @@ pub enum Update {
     Rebuild,
     /// Its shape kept and fitted to moved vertices of the same triangles: the hits are right, if slower to find.
     Refit,
-    /// Kept as it is. Where the change invalidates it ([`Description::invalidated_by`]) its hits are those of before:
+    /// Kept as it is. Where the change invalidates it ([`TracerDescription::invalidated_by`]) its hits are those of before:
     /// stale.
     Reuse,
 }
@@ -155,7 +155,7 @@ pub trait Structure {
     /// structure is as it was.
     ///
     /// # Errors
-    /// [`TracerError::Unsupported`] for a refit where the method has none ([`Description::no_refit`]),
+    /// [`TracerError::Unsupported`] for a refit where the method has none ([`TracerDescription::no_refit`]),
     /// [`TracerError::Failed`] for a refit to other triangles, others as [`Tracer::build`].
     fn update(
         &mut self,
@@ -171,7 +171,7 @@ pub trait Structure {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold what is needed.
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         Ok(false)
     }
 
@@ -179,8 +179,8 @@ pub trait Structure {
     /// the clock has been finished.
     ///
     /// # Errors
-    /// [`TracerError::Unsupported`] for a query or end that the method does not serve ([`Description::queries`],
-    /// [`Description::ends`]), others as they say.
+    /// [`TracerError::Unsupported`] for a query or end that the method does not serve ([`TracerDescription::queries`],
+    /// [`TracerDescription::ends`]), others as they say.
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError>;
 
     /// The same as [`Structure::trace`], by a variant that counts; never timed. Gives the same hits.
@@ -207,7 +207,7 @@ pub trait Structure {
     ///
     /// # Errors
     /// [`TracerError::Parameter`] for other parameters than the tracer's.
-    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         let _ = parameters;
         Ok(Vec::new())
     }

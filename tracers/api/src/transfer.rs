@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use wgpu::BufferUsages;
 
-use crate::{EndPoint, Gpu, Hit, MemoryEntry, Query, Ray, Residency, Surface, TracerError};
+use crate::{Gpu, Hit, MemoryEntry, Query, Ray, Residency, Surface, TraceTo, TracerError};
 
 /// One ray set; made once, uploaded once, the same for every tracer.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub struct RayBuffer {
     pub query: Query,
 }
 
-const TURN_DOWN: &str = "--size";
+const HINT: &str = "--size";
 
 impl RayBuffer {
     /// Takes the rays and uploads them if there is a device. That a device cannot hold or bind them is said to those
@@ -36,7 +36,7 @@ impl RayBuffer {
     /// # Errors
     /// [`TracerError::TooLarge`] if not.
     pub fn check_fits(gpu: &Gpu, count: u64) -> Result<(), TracerError> {
-        gpu.check_storage_binding("the ray buffer", count * size_of::<Ray>() as u64, TURN_DOWN)
+        gpu.check_storage_binding("the ray buffer", count * size_of::<Ray>() as u64, HINT)
     }
 
     /// The device copy.
@@ -53,7 +53,7 @@ fn upload(gpu: &Gpu, contents: &[u8]) -> Result<wgpu::Buffer, TracerError> {
     // No rays at all still need a buffer that can be bound.
     let none = [0; size_of::<Ray>()];
     let contents = if contents.is_empty() { &none } else { contents };
-    gpu.buffer_with("the ray buffer", contents, BufferUsages::STORAGE, TURN_DOWN)
+    gpu.buffer_with("the ray buffer", contents, BufferUsages::STORAGE, HINT)
 }
 
 /// Where a tracer writes its answers, one per ray: hits, and surfaces where the job ends there.
@@ -80,9 +80,9 @@ impl<T: Pod> Records<T> {
             (Residency::Device, None) => Err(TracerError::Unavailable("no device".to_owned())),
             (Residency::Device, Some(gpu)) => {
                 let bytes = (count.max(1) * size_of::<T>()) as u64;
-                gpu.check_storage_binding(name, bytes, TURN_DOWN)?;
+                gpu.check_storage_binding(name, bytes, HINT)?;
                 let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-                Ok(Self::Device(gpu.buffer(name, bytes, usage, TURN_DOWN)?))
+                Ok(Self::Device(gpu.buffer(name, bytes, usage, HINT)?))
             }
         }
     }
@@ -142,27 +142,32 @@ impl HitBuffer {
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold or bind them, [`TracerError::Unavailable`] without one.
     pub fn new(count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
-        Self::for_end(EndPoint::Hit, count, residency, gpu)
+        Self::tracing_to(TraceTo::Hit, count, residency, gpu)
     }
 
     /// Room for what `count` rays traced to an end leave, poisoned.
     ///
     /// # Errors
     /// As [`HitBuffer::new`].
-    pub fn for_end(end: EndPoint, count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+    pub fn tracing_to(
+        trace_to: TraceTo,
+        count: usize,
+        residency: Residency,
+        gpu: Option<&Gpu>,
+    ) -> Result<Self, TracerError> {
         let hits = Records::new("the hit buffer", count, residency, gpu)?;
-        let surfaces = match end {
-            EndPoint::Hit => None,
-            EndPoint::Surface => Some(Records::new(SHADING_BUFFER, count, residency, gpu)?),
+        let surfaces = match trace_to {
+            TraceTo::Hit => None,
+            TraceTo::Surface => Some(Records::new(SHADING_BUFFER, count, residency, gpu)?),
         };
         Ok(Self { count, hits, surfaces })
     }
 
     /// Names and bytes of what `count` rays take that are traced to an end: the rays themselves, hits, surfaces.
-    pub fn memory(end: EndPoint, count: usize) -> Vec<MemoryEntry> {
+    pub fn memory(trace_to: TraceTo, count: usize) -> Vec<MemoryEntry> {
         let of = |name, bytes: usize| MemoryEntry::whole(name, (count * bytes) as u64);
         let mut parts = vec![of("rays", size_of::<Ray>()), of("hits", size_of::<Hit>())];
-        if end == EndPoint::Surface {
+        if trace_to == TraceTo::Surface {
             parts.push(of(SHADING_BUFFER, size_of::<Surface>()));
         }
         parts

@@ -14,8 +14,8 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{
-    Counter, Description, EndPoint, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameter,
-    ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, Surface, TraceJob, Tracer,
+    Counter, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameter, ParameterScope, Parameters,
+    PhaseClock, Query, Ray, Residency, Status, Structure, Surface, TraceJob, TraceTo, Tracer, TracerDescription,
     TracerError, Update, Viewpoint, choice, parameters,
 };
 
@@ -35,8 +35,8 @@ const RAYS_PER_TASK: usize = 512;
 const STACK: usize = 32;
 
 /// What `bvh-cpu` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "bvh-cpu",
         citation: "Ylitie, Karras, Laine: Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, \
                    HPG 2017; as in the obvhs crate",
@@ -44,7 +44,7 @@ pub fn description() -> Description {
         residency: Residency::Host,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: None,
         parameters: CpuParameters::describe(),
@@ -394,7 +394,7 @@ impl Structure for BvhCpuStructure {
         let any = job.rays.query == Query::Any;
         let count = job.rays.host.len();
         // What there is no room for is refused before the work.
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             hits.host_surfaces_mut(count)?;
         }
         let found = hits.host_mut(count)?;
@@ -407,7 +407,7 @@ impl Structure for BvhCpuStructure {
                 },
             );
         });
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             let (hits, surfaces) = hits.host_surfaces_mut(count)?;
             clock.host_phase("gather", || self.gather(hits, surfaces));
         }
@@ -425,7 +425,7 @@ impl Structure for BvhCpuStructure {
         for (slot, (hit, _)) in hits.host_mut(found.len())?.iter_mut().zip(&found) {
             *slot = *hit;
         }
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             let (hits, surfaces) = hits.host_surfaces_mut(found.len())?;
             self.gather(hits, surfaces);
         }

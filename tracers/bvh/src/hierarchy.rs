@@ -15,10 +15,10 @@ use obvhs::triangle::Triangle;
 use tracebench_api::{Ledger, PhaseClock};
 
 /// Most triangles in a leaf that a CWBVH node can name.
-const MOST_PER_WIDE_LEAF: u32 = 3;
+const MAX_PER_WIDE_LEAF: u32 = 3;
 
 /// Most triangles in a leaf of obvhs's binary hierarchy.
-const MOST_PER_BINARY_LEAF: u32 = 255;
+const MAX_PER_BINARY_LEAF: u32 = 255;
 
 /// Builds a CWBVH and enters what the steps hold for a while into the ledger: boxes, the builder's buffers and the binary
 /// hierarchy. What obvhs allocates inside reinsertion and conversion is not seen from here.
@@ -34,7 +34,7 @@ pub(crate) fn build_wide(
         ReinsertionOptimizer::default().run(&mut binary, config.reinsertion_batch_ratio, None);
     });
     let wide = clock.host_phase("convert to CWBVH", || {
-        bvh2_to_cwbvh(&binary, config.max_prims_per_leaf.clamp(1, MOST_PER_WIDE_LEAF), true, false)
+        bvh2_to_cwbvh(&binary, config.max_prims_per_leaf.clamp(1, MAX_PER_WIDE_LEAF), true, false)
     });
     ledger.return_transient(held);
     wide
@@ -52,7 +52,7 @@ pub(crate) fn build_binary(
     let mut optimizer = ReinsertionOptimizer::default();
     clock.host_phase("reinsert subtrees", || optimizer.run(&mut binary, config.reinsertion_batch_ratio, None));
     clock.host_phase("collapse leaves", || {
-        let most = config.max_prims_per_leaf.clamp(1, MOST_PER_BINARY_LEAF);
+        let most = config.max_prims_per_leaf.clamp(1, MAX_PER_BINARY_LEAF);
         collapse(&mut binary, most, config.collapse_traversal_cost);
     });
     clock.host_phase("reinsert subtrees again", || {

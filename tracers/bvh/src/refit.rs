@@ -10,7 +10,7 @@ use obvhs::triangle::Triangle;
 const STEPS: f32 = 255.0;
 
 /// The least extent of a node, as in obvhs's own conversion: its step is a normal number.
-const LEAST_EXTENT: f32 = 1e-20;
+const MIN_EXTENT: f32 = 1e-20;
 
 /// Fits every box. `triangles` are all of the scene's, in its order; every node comes after its parent.
 pub(crate) fn refit(bvh: &mut CwBvh, triangles: &[Triangle]) {
@@ -39,7 +39,7 @@ pub(crate) fn refit(bvh: &mut CwBvh, triangles: &[Triangle]) {
 
 /// A node with its children's boxes on the grid of its own (Ylitie, Karras, Laine 2017, section 3.1), rounded outward.
 fn quantized(mut node: CwBvhNode, whole: &Aabb, children: &[Aabb; 8]) -> CwBvhNode {
-    let extent = (whole.max - whole.min).max(Vec3A::splat(LEAST_EXTENT));
+    let extent = (whole.max - whole.min).max(Vec3A::splat(MIN_EXTENT));
     let mut step = (extent / STEPS).log2().ceil().exp2();
     for axis in 0..3 {
         // The logarithm is rounded: a step too small would cut the box.

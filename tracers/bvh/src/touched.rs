@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb;
-use tracebench_api::{AdapterChoice, Counter, EndPoint, Geometry, Gpu, HitBuffer, Parameters, Query, Ray, RayBuffer};
+use tracebench_api::{AdapterChoice, Counter, Geometry, Gpu, HitBuffer, Parameters, Query, Ray, RayBuffer, TraceTo};
 use tracebench_api::{Residency, Structure, TraceJob, Viewpoint};
 
 use std::sync::Arc;
@@ -67,7 +67,7 @@ fn counters(structure: &dyn Structure, rays: &[Ray], parameters: &Parameters, gp
     let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, gpu);
     let residency = if gpu.is_some() { Residency::Device } else { Residency::Host };
     let mut hits = HitBuffer::new(rays.host.len(), residency, gpu).unwrap();
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters };
+    let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters };
     let counters = structure.trace_counted(job, &mut hits).unwrap();
     assert!(hits.read(gpu).unwrap().iter().all(|hit| !hit.is_hit()), "something was hit");
     counters
@@ -142,7 +142,7 @@ pub(crate) fn assert_touched(
         let counters = counters(structure, rays, parameters, gpu);
         ["nodes_touched", "references_touched"].map(|name| {
             let counter = counters.iter().find(|counter| counter.name == name).unwrap();
-            assert_eq!(counter.greatest_per_ray, None);
+            assert_eq!(counter.max_per_ray, None);
             counter.total as usize
         })
     };

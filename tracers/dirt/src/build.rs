@@ -5,12 +5,12 @@ use std::num::NonZeroU64;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages};
 use tracebench_api::{Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    Canvas, DrawnBy, EmptyTarget, ROW_BITS, RasterImage, RasterWork, ReadSlot, Readable, Reads, TrianglePass,
-    bind_group, dispatch_linear, uniform_buffer,
+    Canvas, EmptyTarget, MemoryAccess, ROW_BITS, RasterBackend, RasterImage, RasterWork, ReadSlot, Readable,
+    TrianglePass, bind_group, dispatch_linear, uniform_buffer,
 };
 use tracebench_shaders::dirt::Fill;
 
-use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
+use crate::layout::{FillPass, Layout, MAX_VIEWS, MipmapLevel, TileGrid};
 use crate::pipelines::Pipelines;
 use crate::setup::{self, TriangleSetup};
 use crate::structure::Resident;
@@ -79,14 +79,14 @@ pub(crate) const HEADS: &str = "id buffer: heads";
 pub(crate) const NODE_COUNT: &str = "node count";
 pub(crate) const ATTACHMENT: &str = "attachment that nothing is written to";
 
-// What they call the copies that searches read with reads=texture, which Table 3 has not.
+// What they call the copies that searches read with memory_access=texture, which Table 3 has not.
 const VERTICES_COPY: &str = "vertices (texture)";
 const NODES_COPY: &str = "nodes (texture)";
 const BOUNDS_COPY: &str = "depth bounds (texture)";
 const HEADS_COPY: &str = "heads (texture)";
 
 /// What is turned where they are too large.
-const TURN_DOWN: &str = "--face or dirt.buckets, or turn dirt.tile_size up";
+const HINT: &str = "--face-size or dirt.buckets, or turn dirt.tile_size up";
 
 /// What they call a part of the nodes.
 pub(crate) fn nodes_name(part: usize) -> String {
@@ -97,10 +97,10 @@ pub(crate) fn nodes_name(part: usize) -> String {
 pub(crate) const NODE_BYTES: u64 = 8;
 
 /// A buffer of which `bound` bytes are bound at once.
-fn storage(gpu: &Gpu, name: &str, bytes: u64, bound: u64, turn_down: &str) -> Result<Buffer, TracerError> {
-    gpu.check_storage_binding(name, bound, turn_down)?;
+fn storage(gpu: &Gpu, name: &str, bytes: u64, bound: u64, hint: &str) -> Result<Buffer, TracerError> {
+    gpu.check_storage_binding(name, bound, hint)?;
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-    gpu.buffer(name, bytes, usage, turn_down)
+    gpu.buffer(name, bytes, usage, hint)
 }
 
 /// Buffers that nodes are split into where one binding does not hold all, as in shaders/dirt.
@@ -119,10 +119,10 @@ fn nodes_per_part(gpu: &Gpu) -> u64 {
 
 /// Buffers for nodes, one or several.
 pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, TracerError> {
-    let turn_down = "dirt.buckets or --face, or turn dirt.tile_size up";
+    let hint = "dirt.buckets or --face-size, or turn dirt.tile_size up";
     let (name, nodes, per_binding) = (nodes_name(0), u64::from(capacity.max(1)), nodes_per_binding(gpu));
     if nodes <= per_binding {
-        return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, nodes * NODE_BYTES, turn_down)?]);
+        return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, nodes * NODE_BYTES, hint)?]);
     }
     let (parts, per_binding) =
         if Pipelines::can_split(gpu) { (NODE_PARTS, nodes_per_part(gpu)) } else { (1, per_binding) };
@@ -131,12 +131,12 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
             name: if parts > 1 { format!("{name}, in {parts} parts,") } else { name },
             bytes: nodes * NODE_BYTES,
             limit: per_binding * parts * NODE_BYTES,
-            turn_down: turn_down.to_owned(),
+            hint: hint.to_owned(),
         });
     }
     let part = |index: u64| {
         let of_part = (nodes - (per_binding * index).min(nodes)).min(per_binding).max(1);
-        storage(gpu, &nodes_name(index as usize), of_part * NODE_BYTES, of_part * NODE_BYTES, turn_down)
+        storage(gpu, &nodes_name(index as usize), of_part * NODE_BYTES, of_part * NODE_BYTES, hint)
     };
     (0..NODE_PARTS).map(part).collect()
 }
@@ -155,16 +155,10 @@ impl Buffers {
         let by_view = bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size;
         let bound = |whole, of_view| if by_view && Pipelines::can_split(gpu) { of_view } else { whole };
         let (views, sums) = (layout.views.len(), pipelines.prefix_sum()?);
-        let drawn = layout.drawn_by == DrawnBy::Raster;
+        let drawn = layout.raster_backend == RasterBackend::Raster;
         Ok(Self {
-            bounds: storage(
-                gpu,
-                DEPTH_BOUNDS,
-                bounds_bytes,
-                bound(bounds_bytes, layout.bounds_part_bytes()),
-                TURN_DOWN,
-            )?,
-            heads: storage(gpu, HEADS, heads_bytes, bound(heads_bytes, layout.heads_part_bytes()), TURN_DOWN)?,
+            bounds: storage(gpu, DEPTH_BOUNDS, bounds_bytes, bound(bounds_bytes, layout.bounds_part_bytes()), HINT)?,
+            heads: storage(gpu, HEADS, heads_bytes, bound(heads_bytes, layout.heads_part_bytes()), HINT)?,
             parts: Parts { views, bounds: layout.bounds_part_bytes(), heads: layout.heads_part_bytes() },
             by_view,
             nodes: node_buffers(gpu, node_capacity)?,
@@ -200,15 +194,20 @@ impl Buffers {
 
     /// What a search reads at unrelated places, in buffers or in textures that serve if `there` are those of the last build. Of
     /// buffers that are split it reads corners alone like that.
-    pub(crate) fn arrays(&self, gpu: &Gpu, reads: Reads, there: &[Readable]) -> Result<Vec<Readable>, TracerError> {
+    pub(crate) fn arrays(
+        &self,
+        gpu: &Gpu,
+        memory_access: MemoryAccess,
+        there: &[Readable],
+    ) -> Result<Vec<Readable>, TracerError> {
         let built = |index, slot, buffer: &Buffer, copy_name| {
-            Readable::built(gpu, reads, slot, buffer, buffer.size(), copy_name, there.get(index), TURN_DOWN)
+            Readable::built(gpu, memory_access, slot, buffer, buffer.size(), copy_name, there.get(index), HINT)
         };
         let mut arrays = vec![built(0, ReadSlot::Quads0, self.setup.vertices(), VERTICES_COPY)?];
-        if reads == Reads::Texture || !self.is_split() {
+        if memory_access == MemoryAccess::Texture || !self.is_split() {
             arrays.push(match &self.nodes[..] {
                 [nodes] => built(1, ReadSlot::Pairs0, nodes, NODES_COPY)?,
-                _ => Readable::joined(gpu, ReadSlot::Pairs0, &self.filled(), NODES_COPY, there.get(1), TURN_DOWN)?,
+                _ => Readable::joined(gpu, ReadSlot::Pairs0, &self.filled(), NODES_COPY, there.get(1), HINT)?,
             });
             arrays.push(built(2, ReadSlot::Pairs1, &self.bounds, BOUNDS_COPY)?);
             arrays.push(built(3, ReadSlot::Words0, &self.heads, HEADS_COPY)?);
@@ -230,8 +229,8 @@ impl Buffers {
     /// What variants of shaders for split buffers bind beside the first parts: all places are taken, those of parts that do
     /// not exist by one that does.
     pub(crate) fn further_parts(&self) -> Vec<BindingResource<'_>> {
-        let bounds = (1..MOST_VIEWS).map(|view| self.bounds_of(view));
-        let heads = (1..MOST_VIEWS).map(|view| self.heads_of(view));
+        let bounds = (1..MAX_VIEWS).map(|view| self.bounds_of(view));
+        let heads = (1..MAX_VIEWS).map(|view| self.heads_of(view));
         let nodes =
             (1..NODE_PARTS as usize).map(|part| self.nodes.get(part).unwrap_or(&self.nodes[0]).as_entire_binding());
         bounds.chain(heads).chain(nodes).collect()
@@ -265,7 +264,7 @@ impl Pipelines {
         let grid = uniform_buffer(gpu, "grid", &buffers.grid(layout))?;
         let setup = buffers.setup.bind(gpu, &self.setup()?, layout, &scene.surfaces.device)?;
         let mut prepared = Prepared { setup, depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
-        let [of_depth, of_primitives] = fills(layout, buffers, filling, counted.is_some());
+        let [of_depth, of_primitives] = fills(buffers, filling, counted.is_some());
         for (index, view) in layout.uniforms().into_iter().enumerate() {
             let by_plane = u32::from(filling.by_plane);
             let [first_entry, entries] = buffers.setup.room_of(index);
@@ -273,7 +272,7 @@ impl Pipelines {
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let pass = |variant: Fill, more: Vec<BindingResource<'_>>| {
                 let mut shared = vec![(0, &grid), (1, &drawn), (2, buffers.setup.vertices())];
-                if layout.drawn_by == DrawnBy::Raster {
+                if layout.raster_backend == RasterBackend::Raster {
                     shared.push((3, buffers.setup.drawn()));
                 }
                 let shared = shared.into_iter().map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
@@ -346,7 +345,7 @@ impl Pipelines {
         let image = |view| RasterImage::View { view, size: layout.tiles, touched: filling.conservative };
         let images = layout.uniforms().into_iter().map(image);
         let (device, triangles) = (&scene.surfaces.device, scene.triangle_count);
-        let work = self.raster.prepare_all(&self.gpu, layout.drawn_by, images, device, triangles)?;
+        let work = self.raster.prepare_all(&self.gpu, layout.raster_backend, images, device, triangles)?;
         let prepared = self.prepare(layout, buffers, scene, filling, counted, &work)?;
         let (setup, sums) = (self.setup()?, self.prefix_sum()?);
         buffers.setup.record(&setup, &sums, &prepared.setup, clock)?;
@@ -370,11 +369,11 @@ impl Pipelines {
 }
 
 /// The variants of the two passes over all triangles.
-fn fills(layout: &Layout, buffers: &Buffers, filling: Filling, counters: bool) -> [Fill; 2] {
-    let (conservative, compute) = (filling.conservative, layout.drawn_by == DrawnBy::Compute);
+fn fills(buffers: &Buffers, filling: Filling, counters: bool) -> [Fill; 2] {
+    let conservative = filling.conservative;
     let primitives = match counters {
-        true => Fill::PrimitivesCounters { conservative, compute },
-        false => Fill::Primitives { conservative, split: buffers.nodes.len() > 1, compute },
+        true => Fill::PrimitivesCounters { conservative },
+        false => Fill::Primitives { conservative, split: buffers.nodes.len() > 1 },
     };
-    [Fill::Plain { conservative, compute }, primitives]
+    [Fill::Plain { conservative }, primitives]
 }

@@ -1,8 +1,8 @@
 //! The parameters of `dirt`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
     /// Pixels along a tile's edge.
@@ -149,8 +149,8 @@ parameters! {
         max_steps: u32 = Parameter::integer(Trace, 1..=1 << 20, 1 << 14)
             .unit("cells")
             .sweep([64, 256, 1024, 4096, 16_384]),
-        build: DrawnBy = build_parameter(),
-        reads: Reads = reads_parameter(),
+        build: RasterBackend = build_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -159,15 +159,15 @@ parameters! {
 pub(crate) const NO_REFIT: &str = "dirt has no shape to keep: its lists are rebuilt or reused";
 
 /// What `dirt` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "dirt",
         citation: "Vardis, Vasilakis, Papaioannou: DIRT: Deferred Image-based Ray Tracing, HPG 2016",
         summary: "lists of triangles in depth buckets of the tiles of six views, analytic hits",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: true,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: DirtParameters::describe(),

@@ -11,7 +11,7 @@
 //!   views overlap it may be the other one, which with conservative coverage fetches the same.
 //! - The stored position is the paper's; no pass of the suite reads it.
 //! - Hits that no triangle's coverage finds are left lost: with standard coverage those on pixels whose centres their
-//!   triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles that reach beyond it.
+//! triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles that reach beyond it.
 
 use std::cell::RefCell;
 
@@ -19,18 +19,15 @@ use tracebench_api::wgpu::{
     self, BindGroup, Buffer, CompareFunction, ComputePipeline, RenderPipeline, TextureFormat, TextureUsages,
     TextureView,
 };
-use tracebench_api::{
-    EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TracerError,
-};
+use tracebench_api::{Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
     Gather, OnDemand, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear,
-    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer, view_uniform,
-    view_uniforms,
+    raster_pipeline, storage_buffer, uniform_buffer, view_uniform, view_uniforms,
 };
 use tracebench_shaders::{Shader, dirt};
 
 use crate::description::Fetching;
-use crate::layout::{Layout, MOST_VIEWS};
+use crate::layout::{Layout, MAX_VIEWS};
 use crate::structure::DirtStructure;
 pub(crate) use tracebench_shaders::dirt::{FetchPass, HitNode, MaskSettings, StoreSettings};
 
@@ -60,11 +57,10 @@ pub(crate) struct Fetch {
 /// A pipeline that draws into the mask alone.
 fn mask_pipeline(gpu: &Gpu, shader: Shader, writes: bool) -> Result<RenderPipeline, TracerError> {
     // A fragment stage that writes to buffers is run before its depth test, unless it is told otherwise.
-    let module = if writes { shader_module(gpu, shader)? } else { shader_module_testing_early(gpu, shader)? };
     // No depth lies beyond 1, the mask's where there are hits.
     let passes = if writes { CompareFunction::Always } else { CompareFunction::LessEqual };
-    let targets = RasterTargets { depth: Some((MASK_FORMAT, writes, passes)), ..Default::default() };
-    raster_pipeline(gpu, shader.name, &module, &targets)
+    let depth = Some((MASK_FORMAT, writes, passes));
+    raster_pipeline(gpu, shader, &RasterTargets { depth, tests_early: !writes, ..Default::default() })
 }
 
 /// What a fetch takes while it runs: heads, nodes, mask, bindings.
@@ -103,7 +99,7 @@ impl Fetch {
             MemoryEntry::whole(HIT_NODES, node_bytes(rays)),
             mask.unwrap_or_else(|| MemoryEntry::whole(MASK, pixels * 2)),
             MemoryEntry::whole(STORE, size_of::<StoreSettings>() as u64),
-            MemoryEntry::whole(STORE_VIEWS, size_of::<[ViewUniform; MOST_VIEWS]>() as u64),
+            MemoryEntry::whole(STORE_VIEWS, size_of::<[ViewUniform; MAX_VIEWS]>() as u64),
             MemoryEntry::whole(MASK_SETTINGS, size_of::<MaskSettings>() as u64),
         ];
         parts.extend(layout.views.iter().map(|_| MemoryEntry::whole(FETCHED, size_of::<FetchPass>() as u64)));
@@ -115,11 +111,11 @@ impl Fetch {
         let gpu = &*structure.pipelines.gpu;
         let rays = job.rays.host.len();
         let size = layout.views[0].size;
-        let view_edges = "--face, or --frame with dirt.views=frame";
+        let view_edges = "--face-size, or --frame-size with dirt.views=frame";
         let heads = storage_buffer(gpu, HIT_HEADS, pixel_count(layout) * 4, view_edges)?;
         let nodes = storage_buffer(gpu, HIT_NODES, node_bytes(rays), "--size")?;
         let surfaces = hits.surfaces_on_device(rays)?;
-        let views = view_uniforms::<MOST_VIEWS>(layout.views.iter().map(view_uniform));
+        let views = view_uniforms::<MAX_VIEWS>(layout.views.iter().map(view_uniform));
         let settings = StoreSettings { ray_count: rays as u32, view_count: layout.views.len() as u32, pixels: size };
         let bind = |layout: &wgpu::BindGroupLayout, buffers: &[&Buffer]| {
             let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
@@ -230,12 +226,12 @@ impl DirtStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        match (job.end, fetching) {
-            (EndPoint::Hit, _) => Ok(()),
-            (EndPoint::Surface, Fetching::Gather) => {
+        match (job.trace_to, fetching) {
+            (TraceTo::Hit, _) => Ok(()),
+            (TraceTo::Surface, Fetching::Gather) => {
                 self.pipelines.gather()?.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
             }
-            (EndPoint::Surface, Fetching::Raster) => {
+            (TraceTo::Surface, Fetching::Raster) => {
                 let fetch = &self.pipelines.fetch;
                 let taken = fetch.take(self, job, hits)?;
                 fetch.record(self, job, &taken, clock)
@@ -245,12 +241,10 @@ impl DirtStructure {
 
     /// What that takes while it runs, by name.
     pub(crate) fn surface_memory(&self, job: &TraceJob<'_>, fetching: Fetching) -> Vec<MemoryEntry> {
-        match (job.end, fetching) {
-            (EndPoint::Hit, _) => Vec::new(),
-            (EndPoint::Surface, Fetching::Gather) => vec![Gather::memory()],
-            (EndPoint::Surface, Fetching::Raster) => {
-                Fetch::memory(&self.layout, job.rays.host.len(), &self.mask_memory)
-            }
+        match (job.trace_to, fetching) {
+            (TraceTo::Hit, _) => Vec::new(),
+            (TraceTo::Surface, Fetching::Gather) => vec![Gather::memory()],
+            (TraceTo::Surface, Fetching::Raster) => Fetch::memory(&self.layout, job.rays.host.len(), &self.mask_memory),
         }
     }
 }

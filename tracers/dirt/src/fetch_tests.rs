@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Gpu, Hit, HitBuffer, PhaseClock, PhaseSample, Query, Ray, RayBuffer, Residency, Structure, Surface,
-    SurfaceStatus, TraceJob,
+    Gpu, Hit, HitBuffer, PhaseClock, PhaseSample, Query, Ray, RayBuffer, Residency, Structure, Surface, SurfaceStatus,
+    TraceJob, TraceTo,
 };
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, ray, soup};
@@ -33,12 +33,12 @@ struct Traced {
 fn traced(gpu: &Arc<Gpu>, structure: &Built<DirtStructure>, query: Query, fetch: &str) -> Traced {
     let rays = RayBuffer::new(Arc::new(rays()), query, Some(gpu));
     let room = || {
-        let mut hits = HitBuffer::for_end(EndPoint::Surface, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
+        let mut hits = HitBuffer::tracing_to(TraceTo::Surface, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
         hits.poison(Some(gpu)).unwrap();
         hits
     };
     let parameters = parameters(&[("fetch", fetch)]);
-    let job = TraceJob { rays: &rays, end: EndPoint::Surface, parameters: &parameters };
+    let job = TraceJob { rays: &rays, trace_to: TraceTo::Surface, parameters: &parameters };
     let mut hits = room();
     let mut clock = PhaseClock::new(Some(gpu));
     structure.trace(job, &mut hits, &mut clock).unwrap();
@@ -149,9 +149,9 @@ fn memory_of_a_trace_is_that_of_table_3() {
     let rays = vec![ray(DVec3::ZERO, DVec3::X); pixels as usize];
     let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&gpu));
     let parameters = parameters(&[]);
-    let job = TraceJob { rays: &rays, end: EndPoint::Surface, parameters: &parameters };
+    let job = TraceJob { rays: &rays, trace_to: TraceTo::Surface, parameters: &parameters };
     let mut parts = structure.trace_memory(job).unwrap();
-    parts.extend(HitBuffer::memory(EndPoint::Surface, rays.host.len()));
+    parts.extend(HitBuffer::memory(TraceTo::Surface, rays.host.len()));
     let used = |name: &str| {
         let of_name: Vec<u64> = parts.iter().filter(|part| part.name == name).map(|part| part.used_bytes).collect();
         assert_eq!(of_name.len(), 1, "{name}: {parts:?}");
@@ -172,15 +172,15 @@ fn heads_too_large_are_refused() {
     let structure = built(&small, &geometry, &[("tile_size", "8"), ("buckets", "1")]);
     let some = rays()[..100].to_vec();
     let rays = RayBuffer::new(Arc::new(some), Query::Closest, Some(&small));
-    let mut hits = HitBuffer::for_end(EndPoint::Surface, rays.host.len(), Residency::Device, Some(&small)).unwrap();
-    let mut trace = |settings: &[(&str, &str)], end| {
+    let mut hits = HitBuffer::tracing_to(TraceTo::Surface, rays.host.len(), Residency::Device, Some(&small)).unwrap();
+    let mut trace = |settings: &[(&str, &str)], trace_to| {
         let mut clock = PhaseClock::new(Some(&small));
         let parameters = parameters(settings);
-        let job = TraceJob { rays: &rays, end, parameters: &parameters };
+        let job = TraceJob { rays: &rays, trace_to, parameters: &parameters };
         structure.trace(job, &mut hits, &mut clock).and_then(|()| clock.finish())
     };
-    let message = trace(&[], EndPoint::Surface).err().map(|error| error.to_string()).unwrap_or_default();
-    assert!(message.contains("hit buffer: heads") && message.contains("--face"), "{message}");
-    trace(&[], EndPoint::Hit).unwrap();
-    trace(&[("fetch", "gather")], EndPoint::Surface).unwrap();
+    let message = trace(&[], TraceTo::Surface).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(message.contains("hit buffer: heads") && message.contains("--face-size"), "{message}");
+    trace(&[], TraceTo::Hit).unwrap();
+    trace(&[("fetch", "gather")], TraceTo::Surface).unwrap();
 }

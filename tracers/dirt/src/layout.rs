@@ -1,14 +1,14 @@
 //! Views, tiles and buffers' sizes, and the uniforms that tell shaders of them.
 
 use tracebench_api::{View, Viewpoint};
-use tracebench_kit::{DrawnBy, Pyramid, RasterWork, ViewUniform, view_uniform};
+use tracebench_kit::{Pyramid, RasterBackend, RasterWork, ViewUniform, view_uniform};
 
 use crate::description::{Centre, DirtParameters, Near, Views};
 use crate::setup::SetupPass;
 pub(crate) use tracebench_shaders::dirt::{FillPass, MipmapLevel, TileGrid, TraceSettings};
 
 /// Views at most.
-pub(crate) const MOST_VIEWS: usize = 6;
+pub(crate) const MAX_VIEWS: usize = 6;
 
 /// A view's part of a buffer may be bound on its own: parts begin at multiples of this, which every adapter allows.
 const PART_ALIGNMENT: u64 = 256;
@@ -26,7 +26,7 @@ pub(crate) struct Layout {
     pub tiles: [u32; 2],
     pub buckets: u32,
     /// What draws the two geometry passes.
-    pub drawn_by: DrawnBy,
+    pub raster_backend: RasterBackend,
 }
 
 impl Layout {
@@ -43,7 +43,7 @@ impl Layout {
             }
         }
         let tiles = views[0].size.map(|edge| edge.div_ceil(tile_size));
-        Self { views, tile_size, tiles, buckets: parameters.buckets, drawn_by: parameters.build }
+        Self { views, tile_size, tiles, buckets: parameters.buckets, raster_backend: parameters.build }
     }
 
     fn pyramid(&self) -> Pyramid {
@@ -117,9 +117,9 @@ impl Layout {
 
     /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
     pub(crate) fn build_bytes(&self, triangles: u32) -> u64 {
-        let dealt = if self.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
+        let dealt = if self.raster_backend == RasterBackend::Compute { RasterWork::bytes(triangles, false) } else { 0 };
         let levels = (self.levels() - 1) * size_of::<MipmapLevel>();
-        let setup = size_of::<SetupPass>() + MOST_VIEWS * size_of::<ViewUniform>();
+        let setup = size_of::<SetupPass>() + MAX_VIEWS * size_of::<ViewUniform>();
         let uniforms = size_of::<TileGrid>() + setup + self.views.len() * size_of::<FillPass>() + levels;
         uniforms as u64 + self.views.len() as u64 * dealt
     }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
 use tracebench_kit::{
-    ComputeRaster, Gather, OnDemand, PrefixSum, SearchPipelines, TrianglePipelines, check_limits, compute_pipeline,
+    ComputeRaster, DevicePipelines, Gather, OnDemand, PrefixSum, SearchPipelines, TrianglePipelines, check_limits,
+    compute_pipeline,
 };
 use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
@@ -15,8 +16,8 @@ use crate::setup::SetupPipelines;
 use crate::shadow_map::ShadowMapPipelines;
 use crate::visibility::Visibility;
 
-/// Tiles of a rectangle up to which a lane draws a triangle by itself. A tile is more work than a pixel, and more rounds of loops, up to one a
-/// bucket: eight lanes together have 65,535 with Mesa's software driver.
+/// Tiles of a rectangle up to which a lane draws a triangle by itself. A tile is more work than a pixel, and more rounds of loops, up to
+/// one a bucket: eight lanes together have 65,535 with Mesa's software driver.
 const SMALL_TILES: u32 = 32;
 
 /// Every pipeline.
@@ -25,9 +26,9 @@ pub(crate) struct Pipelines {
     setup: OnDemand<(), SetupPipelines>,
     prefix_sum: OnDemand<(), Arc<PrefixSum>>,
     pub raster: ComputeRaster,
-    pub fill: TrianglePipelines<Fill>,
+    pub fill: TrianglePipelines,
     mipmap: OnDemand<(), ComputePipeline>,
-    pub trace: SearchPipelines<Trace>,
+    pub trace: SearchPipelines,
     gather: OnDemand<(), Arc<Gather>>,
     pub fetch: Fetch,
     visibility: OnDemand<(), Arc<Visibility>>,
@@ -35,16 +36,14 @@ pub(crate) struct Pipelines {
     pub packed: PackedKernels,
 }
 
-impl Pipelines {
-    /// None yet. What every build and trace needs is asked of the device's limits.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        for shader in [
-            SETUP,
-            Fill::Primitives { conservative: true, split: false, compute: false }.into(),
-            Trace::Plain { textures: false, centres: false, counters: true }.into(),
-        ] {
-            check_limits(&gpu, shader)?;
-        }
+impl DevicePipelines for Pipelines {
+    // None yet. What every build and trace needs is asked of the device's limits.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let filled = Fill::Primitives { conservative: true, split: false };
+        let traced = Trace::Plain { textures: false, centres: false, counters: true };
+        check_limits(&gpu, SETUP, &["see", "list"])?;
+        check_limits(&gpu, filled.into(), &["vertex", "fragment"])?;
+        check_limits(&gpu, traced.into(), &["trace"])?;
         Ok(Self {
             gpu,
             setup: OnDemand::default(),
@@ -60,13 +59,16 @@ impl Pipelines {
             packed: PackedKernels::default(),
         })
     }
+}
 
+impl Pipelines {
     /// Whether the device binds the buffers that nodes, depth bounds and heads are split into where one binding does not
     /// hold them.
     pub(crate) fn can_split(gpu: &Gpu) -> bool {
         let traced = Trace::Split { centres: false, counters: true }.into();
-        let filled = Fill::Primitives { conservative: true, split: true, compute: false }.into();
-        check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
+        let filled = Fill::Primitives { conservative: true, split: true }.into();
+        let fills = || check_limits(gpu, filled, &["vertex", "fragment"]);
+        check_limits(gpu, traced, &["trace"]).and_then(|()| fills()).is_ok()
     }
 
     pub(crate) fn setup(&self) -> Result<SetupPipelines, TracerError> {

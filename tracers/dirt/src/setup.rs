@@ -8,10 +8,10 @@ use bytemuck::Zeroable;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Gpu, Ledger, PhaseClock, TracerError};
 use tracebench_kit::{
-    PrefixSum, PrefixSumPlan, Room, bind_group_at, dispatch_linear, grow, uniform_buffer, view_uniforms,
+    GrowableBuffer, PrefixSum, PrefixSumPlan, bind_group_at, dispatch_linear, grow, uniform_buffer, view_uniforms,
 };
 
-use crate::layout::{Layout, MOST_VIEWS};
+use crate::layout::{Layout, MAX_VIEWS};
 pub(crate) use tracebench_shaders::dirt::SetupPass;
 
 /// As `BLOCK` in shaders/dirt/setup.wgsl: triangles of a block, and lanes of a workgroup.
@@ -22,8 +22,8 @@ const VERTEX_BYTES: u64 = 36;
 /// Bytes of the records that searches read them in: the buffer ends with a whole one.
 const QUAD_BYTES: u64 = 16;
 /// Bytes of the counts before the lists' entries.
-const COUNT_BYTES: u64 = 4 * MOST_VIEWS as u64;
-/// Bytes of a `DrawnTriangle` of shaders/dirt/drawn.wgsl.
+const COUNT_BYTES: u64 = 4 * MAX_VIEWS as u64;
+/// Bytes of a `RasterizedTriangle` of shaders/dirt/drawn.wgsl.
 const ENTRY_BYTES: u64 = 12;
 
 /// What ledgers call the corners, after section 3.
@@ -41,18 +41,18 @@ pub(crate) struct SetupPipelines {
     pub list: ComputePipeline,
 }
 
-/// The buffers of one scene's triangles.
+/// The capacities of one scene's triangles.
 #[derive(Clone)]
 pub(crate) struct TriangleSetup {
     triangle_count: u32,
     view_count: usize,
-    vertices: Room,
-    seen: Room,
-    blocks: Room,
+    vertices: GrowableBuffer,
+    seen: GrowableBuffer,
+    blocks: GrowableBuffer,
     sums: PrefixSumPlan,
-    drawn: Room,
+    drawn: GrowableBuffer,
     /// Entries that each view has room for.
-    rooms: [u32; MOST_VIEWS],
+    capacities: [u32; MAX_VIEWS],
 }
 
 /// What setup binds: made before the phase, which only records.
@@ -62,7 +62,7 @@ pub(crate) struct Bound {
 }
 
 impl TriangleSetup {
-    /// Room for so many triangles, with lists as long as those of `there`, whose buffers serve where they are large enough.
+    /// Room for so many triangles, with lists as long as those of `there`, whose capacities serve where they are large enough.
     pub(crate) fn new(
         gpu: &Gpu,
         sums: &PrefixSum,
@@ -71,15 +71,15 @@ impl TriangleSetup {
         there: Option<&Self>,
     ) -> Result<Self, TracerError> {
         let blocks = u64::from(triangle_count.div_ceil(BLOCK)) * view_count as u64;
-        let room = |name, bytes, there| Room::new(gpu, name, bytes, TRIANGLES, there);
+        let room = |name, bytes, there| GrowableBuffer::new(gpu, name, bytes, TRIANGLES, there);
         let vertex_bytes = (u64::from(triangle_count) * VERTEX_BYTES).next_multiple_of(QUAD_BYTES);
         let vertices = room(VERTICES, vertex_bytes, there.map(|there| &there.vertices))?;
         let seen = room(SEEN, blocks * 8, there.map(|there| &there.seen))?;
         let blocks_room = room(BLOCKS, blocks * 4 + 4, there.map(|there| &there.blocks))?;
         let sums = sums.plan(gpu, &blocks_room.buffer, blocks as u32 + 1, there.map(|there| &there.sums))?;
-        let rooms = there.map_or([0; MOST_VIEWS], |there| there.rooms);
-        let drawn = room(DRAWN, drawn_bytes(&rooms), there.map(|there| &there.drawn))?;
-        Ok(Self { triangle_count, view_count, vertices, seen, blocks: blocks_room, sums, drawn, rooms })
+        let capacities = there.map_or([0; MAX_VIEWS], |there| there.capacities);
+        let drawn = room(DRAWN, drawn_bytes(&capacities), there.map(|there| &there.drawn))?;
+        Ok(Self { triangle_count, view_count, vertices, seen, blocks: blocks_room, sums, drawn, capacities })
     }
 
     /// Whether it is of so many triangles and views.
@@ -88,31 +88,31 @@ impl TriangleSetup {
     }
 
     /// Triangles of every view as the last build found them, also those that there was no room for.
-    pub(crate) fn counts(&self, gpu: &Gpu) -> Result<[u32; MOST_VIEWS], TracerError> {
+    pub(crate) fn counts(&self, gpu: &Gpu) -> Result<[u32; MAX_VIEWS], TracerError> {
         let read = gpu.read(&self.drawn.buffer, COUNT_BYTES)?;
-        let mut counts = bytemuck::pod_collect_to_vec::<u8, [u32; MOST_VIEWS]>(&read)[0];
+        let mut counts = bytemuck::pod_collect_to_vec::<u8, [u32; MAX_VIEWS]>(&read)[0];
         counts[self.view_count..].fill(0);
         Ok(counts)
     }
 
     /// Whether every view has room for so many triangles.
-    pub(crate) fn holds(&self, counts: &[u32; MOST_VIEWS]) -> bool {
-        self.rooms.iter().zip(counts).all(|(room, count)| room >= count)
+    pub(crate) fn holds(&self, counts: &[u32; MAX_VIEWS]) -> bool {
+        self.capacities.iter().zip(counts).all(|(room, count)| room >= count)
     }
 
     /// Makes room for so many triangles of every view, and for a quarter more where it can: what views see changes with every
     /// step of the camera.
-    pub(crate) fn make_room(&mut self, gpu: &Gpu, counts: &[u32; MOST_VIEWS]) -> Result<(), TracerError> {
-        grow(counts, |rooms| {
-            self.drawn = Room::new(gpu, DRAWN, drawn_bytes(rooms), TRIANGLES, None)?;
-            self.rooms.copy_from_slice(rooms);
+    pub(crate) fn grow_on_overflow(&mut self, gpu: &Gpu, counts: &[u32; MAX_VIEWS]) -> Result<(), TracerError> {
+        grow(counts, |capacities| {
+            self.drawn = GrowableBuffer::new(gpu, DRAWN, drawn_bytes(capacities), TRIANGLES, None)?;
+            self.capacities.copy_from_slice(capacities);
             Ok(())
         })
     }
 
     /// The first entry of a view's list and the entries that there is room for.
     pub(crate) fn room_of(&self, view: usize) -> [u32; 2] {
-        [self.rooms[..view].iter().sum(), self.rooms[view]]
+        [self.capacities[..view].iter().sum(), self.capacities[view]]
     }
 
     /// The corners of triangles.
@@ -139,11 +139,11 @@ impl TriangleSetup {
             block_count: self.triangle_count.div_ceil(BLOCK),
             ..Zeroable::zeroed()
         };
-        for (view, room) in pass.rooms.chunks_exact_mut(4).enumerate() {
+        for (view, room) in pass.capacities.chunks_exact_mut(4).enumerate() {
             room[..2].copy_from_slice(&self.room_of(view));
         }
         let pass = uniform_buffer(gpu, "triangle setup", &pass)?;
-        let views = uniform_buffer(gpu, "views", &view_uniforms::<MOST_VIEWS>(layout.uniforms()))?;
+        let views = uniform_buffer(gpu, "views", &view_uniforms::<MAX_VIEWS>(layout.uniforms()))?;
         let Self { vertices, seen, blocks, drawn, .. } = self;
         let all = [&pass, &views, &scene.positions, &scene.indices, &vertices.buffer, &seen.buffer, &blocks.buffer];
         let all: Vec<(u32, BindingResource<'_>)> =
@@ -177,8 +177,8 @@ impl TriangleSetup {
         })
     }
 
-    /// Enters the buffers; `drawn` triangles stand in the lists.
-    pub(crate) fn enter(&self, ledger: &mut Ledger, drawn: &[u32; MOST_VIEWS]) {
+    /// Enters the capacities; `drawn` triangles stand in the lists.
+    pub(crate) fn enter(&self, ledger: &mut Ledger, drawn: &[u32; MAX_VIEWS]) {
         for room in [&self.vertices, &self.seen, &self.blocks] {
             room.enter(ledger);
         }
@@ -189,6 +189,6 @@ impl TriangleSetup {
 }
 
 /// Bytes of lists with so many entries of each view.
-fn drawn_bytes(rooms: &[u32]) -> u64 {
-    COUNT_BYTES + rooms.iter().map(|room| u64::from(*room)).sum::<u64>().max(1) * ENTRY_BYTES
+fn drawn_bytes(capacities: &[u32]) -> u64 {
+    COUNT_BYTES + capacities.iter().map(|room| u64::from(*room)).sum::<u64>().max(1) * ENTRY_BYTES
 }

@@ -7,7 +7,7 @@
 use tracebench_api::glam::DVec3;
 use tracebench_api::wgpu::{BindingResource, ComputePipeline};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, PhaseClock, Query, Ray, TraceJob, TracerError, View,
+    Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, PhaseClock, Query, Ray, TraceJob, TraceTo, TracerError, View,
     Viewpoint,
 };
 use tracebench_kit::{
@@ -85,7 +85,7 @@ impl ShadowMapPipelines {
         there: Option<&ShadowMap>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<ShadowMap, TracerError> {
-        let NearestScene { drawn_by, view, triangle_count, .. } = scene;
+        let NearestScene { raster_backend, view, triangle_count, .. } = scene;
         let target = match there.filter(|there| there.view.size == view.size) {
             Some(there) => there.target.clone(),
             None => EyeDepthTarget::new(gpu, view.size)?,
@@ -95,7 +95,7 @@ impl ShadowMapPipelines {
             let layer = LayerTarget { image: &target.eye_depth, layer: 0, test: &target.test };
             self.depths.record(encoder, &pass, layer);
         })?;
-        let drawing = NearestLayers::memory(NearestOf::Depths, drawn_by, view.size, triangle_count, 1);
+        let drawing = NearestLayers::memory(NearestOf::Depths, raster_backend, view.size, triangle_count, 1);
         let drawing_bytes = drawing.iter().map(|entry| entry.allocated_bytes).sum();
         Ok(ShadowMap { view: *view, target, end_slack, drawing_bytes })
     }
@@ -108,7 +108,7 @@ impl ShadowMap {
             let [origin, direction] = [ray.origin, ray.direction].map(|each| DVec3::from(each.map(f64::from)));
             (origin + direction * f64::from(ray.t_max)).distance(self.view.eye) <= self.end_slack
         };
-        job.rays.query == Query::Any && job.end == EndPoint::Hit && job.rays.host.iter().all(ends_at_light)
+        job.rays.query == Query::Any && job.trace_to == TraceTo::Hit && job.rays.host.iter().all(ends_at_light)
     }
 
     /// Enters the map and what is held while it is drawn.
@@ -140,7 +140,7 @@ impl Pipelines {
         let Some(view) = view else { return Ok(None) };
         let end_slack = geometry.diagonal() * END_SLACK;
         let (geometry, triangle_count) = (&scene.surfaces.device, scene.triangle_count);
-        let drawn = NearestScene { drawn_by: parameters.build, view: &view, geometry, triangle_count };
+        let drawn = NearestScene { raster_backend: parameters.build, view: &view, geometry, triangle_count };
         self.shadow_map()?.record(&self.gpu, drawn, end_slack, there, clock).map(Some)
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure, TraceJob, Update,
+    Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure, TraceJob, TraceTo, Update,
     View,
 };
 use tracebench_kit::Built;
@@ -91,7 +91,7 @@ fn answer(gpu: &Arc<Gpu>, structure: &Built<DirtStructure>, rays: &[Ray], query:
     hits.poison(Some(gpu)).unwrap();
     let mut clock = PhaseClock::new(Some(gpu));
     let parameters = parameters(&[("shadow_bias", bias)]);
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters };
+    let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &parameters };
     structure.trace(job, &mut hits, &mut clock).unwrap();
     clock.finish().unwrap();
     hits.read(Some(gpu)).unwrap()

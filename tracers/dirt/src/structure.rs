@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, Structure,
-    TraceJob, Tracer, TracerError, View, Viewpoint,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, SampledImage,
+    Structure, TraceJob, Tracer, TracerError, View, Viewpoint,
 };
 use tracebench_kit::{
-    BuildJob, Built, DeviceStructure, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies, untimed,
+    BuildJob, Built, DevicePipelines, DeviceStructure, MemoryAccess, Readable, SurfaceGeometry, ViewUniform, grow,
+    record_copies, untimed,
 };
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
 use crate::description::{Clip, Coverage, DirtParameters, Lists, NO_REFIT};
 use crate::fetch::MaskMemory;
-use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
+use crate::layout::{Layout, MAX_VIEWS, TileGrid, TraceSettings};
 use crate::packed::PackedStructure;
 use crate::pipelines::Pipelines;
 use crate::setup::TriangleSetup;
@@ -71,11 +72,12 @@ impl Tracer for Dirt {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
         if DirtParameters::try_from(parameters)?.lists == Lists::Linked {
-            return Ok(Box::new(Built::<DirtStructure>::new(&self.pipelines, job, clock)?));
+            let job = BuildJob { geometry, viewpoint, parameters, before: None, clock };
+            return Ok(Box::new(Built::<DirtStructure>::new(&self.pipelines, job)?));
         }
-        Ok(Box::new(Built::<PackedStructure>::new(&self.pipelines, job, clock)?))
+        let job = BuildJob { geometry, viewpoint, parameters, before: None, clock };
+        Ok(Box::new(Built::<PackedStructure>::new(&self.pipelines, job)?))
     }
 }
 
@@ -87,7 +89,7 @@ impl Pipelines {
         let mut buffers = Buffers::new(self, layout, scene.triangle_count, 0, None)?;
         untimed(gpu, |clock| self.set_up(layout, &buffers, scene, clock))?;
         let drawn = buffers.setup.counts(gpu)?;
-        buffers.setup.make_room(gpu, &drawn)?;
+        buffers.setup.grow_on_overflow(gpu, &drawn)?;
         let nodes = self.count_nodes(layout, &buffers, scene, filling)?;
         buffers.set_capacity(gpu, nodes)?;
         Ok(buffers)
@@ -114,8 +116,8 @@ pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<u32, TracerError> {
 
 impl DirtStructure {
     /// What searches read from.
-    pub(crate) fn reads(&self) -> Reads {
-        self.arrays[0].reads()
+    pub(crate) fn memory_access(&self) -> MemoryAccess {
+        self.arrays[0].memory_access()
     }
 }
 
@@ -124,16 +126,8 @@ impl DeviceStructure for DirtStructure {
 
     const NO_REFIT: &'static str = NO_REFIT;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, scene) = (Layout::new(viewpoint, parameters), Resident::of(geometry)?);
         let (views, triangles) = (layout.views.len(), scene.triangle_count);
@@ -141,7 +135,7 @@ impl DeviceStructure for DirtStructure {
             conservative: parameters.coverage == Coverage::Conservative,
             by_plane: parameters.clip == Clip::Plane,
         };
-        let sizes = |layout: &Layout| (layout.tiles, layout.buckets, layout.views.len(), layout.drawn_by);
+        let sizes = |layout: &Layout| (layout.tiles, layout.buckets, layout.views.len(), layout.raster_backend);
         let buffers = match before.map(|before| (&before.buffers, sizes(&before.layout) == sizes(&layout))) {
             None => pipelines.counted_buffers(&layout, &scene, filling)?,
             Some((there, false)) => {
@@ -156,7 +150,7 @@ impl DeviceStructure for DirtStructure {
             }
         };
         let there = before.map_or(&[][..], |before| &before.arrays);
-        let arrays = buffers.arrays(&pipelines.gpu, parameters.reads, there)?;
+        let arrays = buffers.arrays(&pipelines.gpu, parameters.memory_access, there)?;
         pipelines.build(&layout, &buffers, &scene, filling, clock)?;
         record_copies(&arrays, clock)?;
         let frame = before.and_then(|before| before.frame.as_ref());
@@ -168,7 +162,7 @@ impl DeviceStructure for DirtStructure {
         Ok(Self { pipelines, layout, filling, buffers, arrays, geometry, mask_memory, frame, shadow_map })
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         let pipelines = Arc::clone(&self.pipelines);
         let gpu = &*pipelines.gpu;
         let drawn = self.buffers.setup.counts(gpu)?;
@@ -177,14 +171,14 @@ impl DeviceStructure for DirtStructure {
             taken(gpu, &self.buffers)?
         } else {
             // What was not drawn was not counted.
-            self.buffers.setup.make_room(gpu, &drawn)?;
+            self.buffers.setup.grow_on_overflow(gpu, &drawn)?;
             pipelines.count_nodes(&self.layout, &self.buffers, &self.geometry, self.filling)?
         };
         if nodes <= self.buffers.node_capacity {
             return Ok(!all_drawn);
         }
         grow(&[nodes], |room| self.buffers.set_capacity(gpu, room[0]))?;
-        self.arrays = self.buffers.arrays(gpu, self.reads(), &self.arrays)?;
+        self.arrays = self.buffers.arrays(gpu, self.memory_access(), &self.arrays)?;
         Ok(true)
     }
 
@@ -226,15 +220,15 @@ impl DeviceStructure for DirtStructure {
         let uniforms = [
             ("grid", size_of::<TileGrid>()),
             ("search", size_of::<TraceSettings>()),
-            ("views", MOST_VIEWS * size_of::<ViewUniform>()),
+            ("views", MAX_VIEWS * size_of::<ViewUniform>()),
         ];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
         parts.extend(self.surface_memory(job, parameters.fetch));
         Ok(parts)
     }
 
-    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
-        let of = |view: &View| Sampling::new(Projection::Perspective(*view), Layers::All);
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
+        let of = |view: &View| SampledImage::new(Projection::Perspective(*view), Layers::All);
         Ok(self.layout.views.iter().map(of).collect())
     }
 

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{
-    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
-    Structure, TraceJob, TracerError, Update, Viewpoint,
+    AdapterChoice, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency, Structure,
+    TraceJob, TraceTo, TracerError, Update, Viewpoint,
 };
-use tracebench_kit::{Built, DeviceTracer, Reads};
+use tracebench_kit::{Built, DeviceTracer, MemoryAccess};
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, soup};
 
 use super::build::NODE_BYTES;
@@ -164,8 +164,8 @@ fn what_a_binding_does_not_hold_is_split() {
         assert_eq!(hits, answer(&small, &split, &rays));
         assert_eq!(hits, answer_by(&small, &split, &rays, &[("centre_rays", "split")]), "splitting rays loses some");
         // A texture of all parts needs no splits.
-        let copied = built(&small, &geometry, &[("tile_size", "2"), ("reads", "texture")]);
-        assert!(copied.buffers.is_split() && copied.reads() == Reads::Texture);
+        let copied = built(&small, &geometry, &[("tile_size", "2"), ("memory_access", "texture")]);
+        assert!(copied.buffers.is_split() && copied.memory_access() == MemoryAccess::Texture);
         assert_eq!(hits, answer(&small, &copied, &rays));
     }
     let tiny = gpu_that_binds(layout.heads_part_bytes());
@@ -198,10 +198,11 @@ fn eight_storage_buffers_a_stage_suffice_where_nothing_is_split() {
         let structure = built(gpu, &soup(&hostile(), Some(gpu)), &[("direct_visibility", "on")]);
         let by = |settings| answer_by(gpu, &structure, &rays, settings);
         let shared = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(gpu));
-        let mut hits = HitBuffer::for_end(EndPoint::Surface, shared.host.len(), Residency::Device, Some(gpu)).unwrap();
+        let mut hits =
+            HitBuffer::tracing_to(TraceTo::Surface, shared.host.len(), Residency::Device, Some(gpu)).unwrap();
         hits.poison(Some(gpu)).unwrap();
         let parameters = parameters(&[]);
-        let job = TraceJob { rays: &shared, end: EndPoint::Surface, parameters: &parameters };
+        let job = TraceJob { rays: &shared, trace_to: TraceTo::Surface, parameters: &parameters };
         let counters = structure.trace_counted(job, &mut hits).unwrap();
         (by(&[]), by(&[("centre_rays", "split")]), counters, node_bytes(&structure))
     });
@@ -211,8 +212,8 @@ fn eight_storage_buffers_a_stage_suffice_where_nothing_is_split() {
     let mut clock = PhaseClock::new(Some(&split));
     let refused =
         tracer.build_structure(&soup(&hostile(), Some(&split)), &viewpoint(), &parameters(&[]), &mut clock).err();
-    let Some(TracerError::TooLarge { name, limit, turn_down, .. }) = refused else { panic!("{refused:?}") };
-    assert!(name == "id buffer: nodes" && turn_down.contains("dirt.buckets"), "{name}: {turn_down}");
+    let Some(TracerError::TooLarge { name, limit, hint, .. }) = refused else { panic!("{refused:?}") };
+    assert!(name == "id buffer: nodes" && hint.contains("dirt.buckets"), "{name}: {hint}");
     assert_eq!(limit, split.limits.max_storage_buffer_binding_size);
     let few = Dirt::new(of_stage_limit(7, whole.limits.max_storage_buffer_binding_size)).err();
     let Some(TracerError::Unavailable(reason)) = few else { panic!("{few:?}") };
@@ -227,7 +228,7 @@ fn a_structure_that_overflows_grows() {
     let few = soup(&hostile()[..40], Some(&gpu));
     let all = soup(&hostile(), Some(&gpu));
     let mut structure = built(&gpu, &few, &[]);
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     let rebuild = |structure: &mut Built<DirtStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &all, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
@@ -235,9 +236,9 @@ fn a_structure_that_overflows_grows() {
     };
     rebuild(&mut structure);
     assert!(structure.check(&all).is_err(), "an overflow passes as sound");
-    assert!(structure.make_room().unwrap());
+    assert!(structure.grow_on_overflow().unwrap());
     rebuild(&mut structure);
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     structure.check(&all).unwrap();
     let mut numbers = Numbers::new(5);
     let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
@@ -319,7 +320,7 @@ pub(crate) fn answer_by(
     rays: &[Ray],
     settings: &[(&str, &str)],
 ) -> Vec<Hit> {
-    answers(gpu, structure, rays, Query::Closest, &parameters(settings), EndPoint::Hit).0
+    answers(gpu, structure, rays, Query::Closest, &parameters(settings), TraceTo::Hit).0
 }
 
 /// Nodes of another triangle, lists that end early, lead nowhere or in circles, and depth bounds or mipmaps that are off

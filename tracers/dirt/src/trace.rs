@@ -1,16 +1,16 @@
 //! Tracing on the device.
 
 use tracebench_api::wgpu::ComputePipeline;
-use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::{Counter, HitBuffer, Query, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, Search, TouchedBits, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer,
-    untimed, view_uniforms,
+    Left, MemoryAccess, RayCounts, Search, SearchJob, SearchedRays, TouchedBits, bind_arrays, bind_group,
+    bind_group_at, uniform_buffer, untimed, view_uniforms,
 };
 use tracebench_shaders::dirt::Trace;
 
 use crate::description::{Accept, CentreRays, DirtParameters, March, Searched};
 use crate::fetch::lost;
-use crate::layout::{MOST_VIEWS, TraceSettings};
+use crate::layout::{MAX_VIEWS, TraceSettings};
 use crate::structure::DirtStructure;
 
 /// The buffers of a trace that counts.
@@ -44,13 +44,8 @@ impl DirtStructure {
 impl Search for DirtStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let gpu = &*self.pipelines.gpu;
         let parameters = DirtParameters::try_from(job.parameters)?;
         if let Some(map) = self.shadow_map.as_ref().filter(|map| map.answers(job)) {
@@ -58,14 +53,14 @@ impl Search for DirtStructure {
         }
         let search = self.search(job, &parameters);
         let (centres, counters) = (parameters.centre_rays == CentreRays::Split, counting.is_some());
-        let variant = match self.reads() {
-            Reads::Buffer if self.buffers.is_split() => Trace::Split { centres, counters },
-            reads => Trace::Plain { textures: reads == Reads::Texture, centres, counters },
+        let variant = match self.memory_access() {
+            MemoryAccess::Buffer if self.buffers.is_split() => Trace::Split { centres, counters },
+            memory_access => Trace::Plain { textures: memory_access == MemoryAccess::Texture, centres, counters },
         };
         let [grid, search_settings, views] = [
             uniform_buffer(gpu, "grid", &self.buffers.grid(&self.layout))?,
             uniform_buffer(gpu, "search", &search)?,
-            uniform_buffer(gpu, "views", &view_uniforms::<MOST_VIEWS>(self.layout.uniforms()))?,
+            uniform_buffer(gpu, "views", &view_uniforms::<MAX_VIEWS>(self.layout.uniforms()))?,
         ];
         let hits_on_device = hits.on_device(job.rays.host.len())?;
         let uniforms = [(0, &grid), (1, &search_settings), (3, &views)];
@@ -78,7 +73,7 @@ impl Search for DirtStructure {
             resources.extend([(4, self.buffers.bounds_of(0)), (5, self.buffers.heads_of(0))]);
             resources.push((6, self.buffers.nodes[0].as_entire_binding()));
         }
-        let bind = |pipeline: &ComputePipeline| {
+        let bind = |pipeline: &ComputePipeline, _| {
             let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources)];
             groups.push(bind_arrays(gpu, pipeline, &self.arrays));
             if split {
@@ -86,8 +81,9 @@ impl Search for DirtStructure {
             }
             groups
         };
-        let searches = self.pipelines.trace.searches(gpu, variant, search.rays_per_lane, bind)?;
-        record_searches(&searches, search.ray_count, hits_on_device, clock)?;
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hits_on_device, left: Left::CutOff };
+        self.pipelines.trace.record(gpu, variant, rays, bind, clock)?;
         self.record_surfaces(job, parameters.fetch, hits, clock)
     }
 
@@ -97,14 +93,14 @@ impl Search for DirtStructure {
             counts: RayCounts::new(gpu, &COUNTERS, job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "nodes touched", u64::from(self.buffers.node_capacity), "--size")?,
         };
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu)?;
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
             counters.push(Counter::of_set("shadow_map_texels", job.rays.host.len() as u64));
         }
         counters.push(Counter::of_set("references_touched", counting.touched.count(gpu)?));
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             counters.push(Counter::of_set("fetches_lost", lost(&hits.read_surfaces(Some(gpu))?)));
         }
         Ok(counters)

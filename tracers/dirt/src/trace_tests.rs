@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{EndPoint, Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob};
+use tracebench_api::{Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TraceTo};
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
 
 use super::tests::{answer, answer_by, built, hostile, parameters, viewpoint};
@@ -21,7 +21,7 @@ fn the_pyramid_changes_steps_alone() {
         let mut counted = HitBuffer::new(rays.len(), Residency::Device, Some(&gpu)).unwrap();
         counted.poison(Some(&gpu)).unwrap();
         let parameters = parameters(settings);
-        let job = TraceJob { rays: &shared, end: EndPoint::Hit, parameters: &parameters };
+        let job = TraceJob { rays: &shared, trace_to: TraceTo::Hit, parameters: &parameters };
         let counters = structure.trace_counted(job, &mut counted).unwrap();
         let hits = counted.read(Some(&gpu)).unwrap();
         assert_eq!(answer_by(&gpu, &structure, &rays, settings), hits, "{settings:?}");
@@ -87,7 +87,7 @@ fn any_hit_ends_at_the_first_one() {
         let mut hits = HitBuffer::new(rays.len(), Residency::Device, Some(&gpu)).unwrap();
         hits.poison(Some(&gpu)).unwrap();
         let parameters = parameters(&[]);
-        let job = TraceJob { rays: &shared, end: EndPoint::Hit, parameters: &parameters };
+        let job = TraceJob { rays: &shared, trace_to: TraceTo::Hit, parameters: &parameters };
         let counters = structure.trace_counted(job, &mut hits).unwrap();
         let tests = counters.into_iter().find(|counter| counter.name == "triangle_tests").unwrap();
         (hits.read(Some(&gpu)).unwrap(), tests)

@@ -144,7 +144,7 @@ impl DirtStructure {
         let layout = &self.layout;
         let stride = layout.grid(0, 1).bounds_stride as usize;
         let edge = f64::from(layout.tile_size);
-        let sample_slack = SAMPLE_SLACK_TILES + layout.drawn_by.border_pixels(&self.pipelines.gpu)?;
+        let sample_slack = SAMPLE_SLACK_TILES + layout.raster_backend.border_pixels(&self.pipelines.gpu)?;
         for primitive in (0..geometry.triangles.len() as u32).step_by(step as usize) {
             let begin = stored.partition_point(|each| each.primitive < primitive);
             let end = stored.partition_point(|each| each.primitive <= primitive);

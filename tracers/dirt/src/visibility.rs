@@ -52,15 +52,15 @@ impl Frame {
                 name: "the edge of the direct visibility's frame".to_owned(),
                 bytes: u64::from(edge),
                 limit: u64::from(limit),
-                turn_down: "--frame, or set dirt.direct_visibility=off".to_owned(),
+                hint: "--frame-size, or set dirt.direct_visibility=off".to_owned(),
             });
         }
         let pixels: u64 = view.size.map(u64::from).iter().product();
         let bytes = pixels * size_of::<Surface>() as u64;
-        let turn_down = "--frame, or set dirt.direct_visibility=off";
-        gpu.check_storage_binding(SHADING, bytes, turn_down)?;
+        let hint = "--frame-size, or set dirt.direct_visibility=off";
+        gpu.check_storage_binding(SHADING, bytes, hint)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let shading = gpu.buffer(SHADING, bytes, usage, turn_down)?;
+        let shading = gpu.buffer(SHADING, bytes, usage, hint)?;
         let primitives = PrimitiveTexture::new(gpu, view.size)?;
         let before = gpu.allocations();
         let depth = create_texture(gpu, DEPTH, view.size, DEPTH_TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT);
@@ -103,8 +103,8 @@ impl Visibility {
         there: Option<&Frame>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Frame, TracerError> {
-        let NearestScene { drawn_by, view, geometry: device, triangle_count } = scene;
-        let drawing = NearestLayers::memory(NearestOf::Primitives, drawn_by, view.size, triangle_count, 1);
+        let NearestScene { raster_backend, view, geometry: device, triangle_count } = scene;
+        let drawing = NearestLayers::memory(NearestOf::Primitives, raster_backend, view.size, triangle_count, 1);
         let drawing_bytes = drawing.iter().map(|entry| entry.allocated_bytes).sum();
         let frame = match there.filter(|there| there.view.size == view.size) {
             Some(there) => Frame { view: *view, drawing_bytes, ..there.clone() },
@@ -146,9 +146,9 @@ impl Pipelines {
         if parameters.direct_visibility == DirectVisibility::Off {
             return Ok(None);
         }
-        let (view, drawn_by) = (viewpoint.frame_view(), parameters.build);
+        let (view, raster_backend) = (viewpoint.frame_view(), parameters.build);
         let (geometry, triangle_count) = (&scene.surfaces.device, scene.triangle_count);
-        let drawn = NearestScene { drawn_by, view: &view, geometry, triangle_count };
+        let drawn = NearestScene { raster_backend, view: &view, geometry, triangle_count };
         self.visibility()?.record(&self.gpu, drawn, there, clock).map(Some)
     }
 }

@@ -86,7 +86,7 @@ fn the_frame_shows_what_primary_rays_meet() {
         [0; 3].map(|_| (centre + numbers.point() * 0.6).as_vec3().to_array())
     };
     let scattered: Vec<_> = (0..300).map(|_| small()).collect();
-    for (corners, least_shown) in [(hostile(), 10), (scattered, 100)] {
+    for (corners, min_shown) in [(hostile(), 10), (scattered, 100)] {
         let gpu = gpu();
         let positions: Vec<[f32; 3]> = corners.iter().flatten().copied().collect();
         let count = corners.len() as u32;
@@ -105,7 +105,7 @@ fn the_frame_shows_what_primary_rays_meet() {
         let mut shown: Vec<u32> = surfaces.iter().filter(covered).map(|surface| surface.material).collect();
         shown.sort_unstable();
         shown.dedup();
-        assert!(shown.len() > least_shown, "{}", shown.len());
+        assert!(shown.len() > min_shown, "{}", shown.len());
         // Negative control.
         let is_wrong = |surface: &Surface, pixel: usize| wrong(&view, &triangles, surface, pixel).is_some();
         let (mut all, mut elsewhere, mut none) = (0, 0, 0);

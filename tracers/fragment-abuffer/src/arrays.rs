@@ -2,9 +2,9 @@
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, PhaseClock, TracerError};
-use tracebench_kit::{ReadSlot, Readable, Reads, record_copies};
+use tracebench_kit::{MemoryAccess, ReadSlot, Readable, record_copies};
 
-use crate::parts::{Part, Parts, TURN_DOWN};
+use crate::parts::{HINT, Part, Parts};
 
 /// The arrays of words of shaders/fragment-abuffer. With textures all views are in one, however many buffers they were built in; with
 /// buffers they are those of the first view, which are all where views have no buffers of their own.
@@ -23,12 +23,19 @@ impl Arrays {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] beyond the device's limits.
-    pub(crate) fn new(gpu: &Gpu, reads: Reads, parts: &Parts, there: Option<&Self>) -> Result<Self, TracerError> {
-        let array = |slot, buffers: &[&Buffer], name, there| match reads {
-            Reads::Buffer => Readable::built(gpu, reads, slot, buffers[0], buffers[0].size(), name, there, TURN_DOWN),
-            Reads::Texture => {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        memory_access: MemoryAccess,
+        parts: &Parts,
+        there: Option<&Self>,
+    ) -> Result<Self, TracerError> {
+        let array = |slot, buffers: &[&Buffer], name, there| match memory_access {
+            MemoryAccess::Buffer => {
+                Readable::built(gpu, memory_access, slot, buffers[0], buffers[0].size(), name, there, HINT)
+            }
+            MemoryAccess::Texture => {
                 let sized: Vec<_> = buffers.iter().map(|buffer| (*buffer, buffer.size())).collect();
-                Readable::joined(gpu, slot, &sized, name, there, TURN_DOWN)
+                Readable::joined(gpu, slot, &sized, name, there, HINT)
             }
         };
         let of_parts = |buffer: fn(&Part) -> &Buffer| parts.parts.iter().map(buffer).collect::<Vec<_>>();
@@ -60,8 +67,8 @@ impl Arrays {
     }
 
     /// How they are read.
-    pub(crate) fn reads(&self) -> Reads {
-        self.pixels.reads()
+    pub(crate) fn memory_access(&self) -> MemoryAccess {
+        self.pixels.memory_access()
     }
 
     fn own(&self) -> impl Iterator<Item = &Readable> {

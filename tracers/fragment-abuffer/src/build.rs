@@ -6,14 +6,14 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, TrianglePass,
-    TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear, every_variant,
-    storage_buffer, uniform_buffer, view_uniform,
+    Canvas, ComputeRaster, DevicePipelines, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterBackend, RasterWork,
+    SearchPipelines, TrianglePass, TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect,
+    dispatch_linear, every_variant, storage_buffer, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::Variant;
-use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, ReorderLong, Trace};
+use tracebench_shaders::fragment_abuffer::{BOXES, Fill, MIPMAP, Reorder, ReorderLong};
 
-use crate::layout::{DrawnView, Layout, Storage, TracedView};
+use crate::layout::{Layout, RasterizedView, Storage, TracedView};
 use crate::objects::Objects;
 use crate::parts::{Part, Parts, check_nodes, view_suffix};
 
@@ -23,31 +23,31 @@ pub(crate) const WORKGROUP_SIZE: u32 = 64;
 /// As `BAND` in shaders/fragment-abuffer/boxes.wgsl: rows of a box that a workgroup draws.
 pub(crate) const BAND: u32 = 16;
 
-/// As `MOST_ALONE` in shaders/fragment-abuffer/reorder.wgsl: nodes of a piece that an invocation orders alone.
-pub(crate) const MOST_ALONE: u32 = 128;
+/// As `MAX_ALONE` in shaders/fragment-abuffer/reorder.wgsl: nodes of a piece that an invocation orders alone.
+pub(crate) const MAX_ALONE: u32 = 128;
 
 /// Workgroups of a dispatch along a dimension, which WebGPU grants: so many long pieces are ordered.
-const MOST_LONG_PIECES: u32 = 65_535;
+const MAX_LONG_PIECES: u32 = 65_535;
 
 /// Every pipeline; those of traces, and of builds without the rasterizer, are made when they are first asked for.
 pub struct Pipelines {
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) sums: PrefixSum,
     raster: ComputeRaster,
-    boxes: TrianglePipelines<Boxes>,
+    boxes: TrianglePipelines,
     boxes_bound: ComputePipeline,
-    computed_boxes: PipelinesOnDemand<Boxes>,
-    fill: TrianglePipelines<Fill>,
+    computed_boxes: PipelinesOnDemand,
+    fill: TrianglePipelines,
     reorder: BTreeMap<Reorder, ComputePipeline>,
-    reorder_long: PipelinesOnDemand<ReorderLong>,
+    reorder_long: PipelinesOnDemand,
     mipmap: ComputePipeline,
-    pub(crate) traces: PipelinesOnDemand<Trace>,
+    pub(crate) traces: SearchPipelines,
 }
 
-impl Pipelines {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Pipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let (boxes, fill) = (TrianglePipelines::new(), TrianglePipelines::new());
-        boxes.raster(&gpu, Boxes::Plain { bound: false })?;
+        boxes.raster(&gpu, BOXES)?;
         for variant in Fill::ALL.iter().filter(|variant| is_published(**variant)) {
             fill.raster(&gpu, *variant)?;
         }
@@ -55,13 +55,13 @@ impl Pipelines {
             sums: PrefixSum::new(&gpu)?,
             raster: ComputeRaster::new(&gpu),
             boxes,
-            boxes_bound: compute_pipeline(&gpu, Boxes::Plain { bound: true }, "bound")?,
+            boxes_bound: compute_pipeline(&gpu, BOXES, "bound")?,
             computed_boxes: PipelinesOnDemand::new("draw"),
             fill,
             reorder: every_variant(|variant: Reorder| compute_pipeline(&gpu, variant, "reorder"))?,
             reorder_long: PipelinesOnDemand::new("reorder_long"),
             mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
-            traces: PipelinesOnDemand::new("trace"),
+            traces: SearchPipelines::default(),
             gpu,
         })
     }
@@ -70,10 +70,9 @@ impl Pipelines {
 /// Whether the published form draws by a variant, so that it is made at once.
 fn is_published(variant: Fill) -> bool {
     match variant {
-        Fill::Bounds { clipped, compute }
-        | Fill::Count { clipped, compute }
-        | Fill::Tally { clipped, compute }
-        | Fill::Store { clipped, compute, .. } => !clipped && !compute,
+        Fill::Bounds { clipped } | Fill::Count { clipped } | Fill::Tally { clipped } | Fill::Store { clipped, .. } => {
+            !clipped
+        }
     }
 }
 
@@ -140,21 +139,21 @@ impl Pipelines {
             let resources = resources.map(Buffer::as_entire_binding);
             prepared.boxes = Some((bind_group(gpu, &self.boxes_bound.get_bind_group_layout(0), &resources), triangles));
         }
-        let (clipped, compute) = (layout.is_clipped(), layout.drawn_by == DrawnBy::Compute);
+        let clipped = layout.is_clipped();
         for part in &parts.parts {
             let storage = layout.storage(part.pixel_count, part.capacity);
             let storage = uniform_buffer(gpu, "storage", &storage)?;
             for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
                 let shape = &layout.views[view];
-                let drawn = DrawnView {
+                let drawn = RasterizedView {
                     view: view_uniform(shape),
                     first_pixel: *first_pixel,
                     width: shape.size[0],
                     padding: [0; 2],
                 };
                 let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
-                let uniforms = [(0, &storage), (1, &drawn)];
-                let scene = [(2, &geometry.positions), (3, &geometry.indices), (4, &part.pixels)];
+                let uniforms = [(0, &storage), (3, &drawn)];
+                let scene = [(1, &geometry.positions), (2, &geometry.indices), (4, &part.pixels)];
                 let canvas = |vertices: u32| Canvas::of(work.get(view), parts.target(view), vertices);
                 let draw = |fill: Fill, more: &[(u32, &Buffer)]| {
                     let buffers = [&uniforms[..], &scene[..], more].concat();
@@ -163,19 +162,19 @@ impl Pipelines {
                 if layout.has_bounds() {
                     prepared.bounds.push(match objects {
                         Some(objects) => {
-                            let buffers = [&uniforms[..], &[(2, &objects.boxes.buffer), (3, &part.pixels)]].concat();
+                            let buffers = [&uniforms[..], &[(2, &objects.boxes.buffer), (4, &part.pixels)]].concat();
                             self.by_boxes(&bound(&buffers), canvas(objects.count * 6)?, objects, shape)?
                         }
-                        None => Bounding::Drawn(draw(Fill::Bounds { clipped, compute }, &[])?),
+                        None => Bounding::Drawn(draw(Fill::Bounds { clipped }, &[])?),
                     });
                 }
                 let taken = (5, &part.taken);
                 if layout.kind.is_contiguous() {
-                    prepared.count.push(draw(Fill::Count { clipped, compute }, &[taken])?);
+                    prepared.count.push(draw(Fill::Count { clipped }, &[taken])?);
                 }
                 let mut stored = vec![taken, (6, &part.ids), (8, &geometry.materials)];
                 stored.extend(part.payloads.as_ref().map(|payloads| (7, payloads)));
-                let store = Fill::Store { decoupled: layout.decoupled, clipped, compute };
+                let store = Fill::Store { decoupled: layout.decoupled, clipped };
                 prepared.store.push(draw(store, &stored)?);
             }
             self.prepare_reorder(layout, part, &storage, &mut prepared)?;
@@ -194,9 +193,9 @@ impl Pipelines {
     ) -> Result<Bounding<'a>, TracerError> {
         let gpu = &*self.gpu;
         if matches!(canvas, Canvas::Attachment(..)) {
-            return Ok(Bounding::Drawn(self.boxes.pass(gpu, Boxes::Plain { bound: false }, resources, canvas)?));
+            return Ok(Bounding::Drawn(self.boxes.pass(gpu, BOXES, resources, canvas)?));
         }
-        let pipeline = self.computed_boxes.of(gpu, Boxes::Compute)?;
+        let pipeline = self.computed_boxes.of(gpu, BOXES)?;
         let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), resources);
         Ok(Bounding::Computed(pipeline, bindings, objects.count.saturating_mul(view.size[1].div_ceil(BAND))))
     }
@@ -205,21 +204,22 @@ impl Pipelines {
     /// could be bound for.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<u32>, TracerError> {
         let gpu = &*self.gpu;
-        let (clipped, compute) = (layout.is_clipped(), layout.drawn_by == DrawnBy::Compute);
+        let (clipped, compute) = (layout.is_clipped(), layout.raster_backend == RasterBackend::Compute);
         let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
         let taken = storage_buffer(gpu, "fragments of a view", 4, "nothing")?;
         let storage = uniform_buffer(gpu, "storage", &layout.storage(0, 0))?;
         let mut counts = Vec::with_capacity(layout.views.len());
         for (view, shape) in layout.views.iter().enumerate() {
-            let drawn = DrawnView { view: view_uniform(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
+            let drawn =
+                RasterizedView { view: view_uniform(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let image = [layout.image_of(shape)];
-            let work = self.raster.prepare_all(gpu, layout.drawn_by, image, device, triangles)?;
+            let work = self.raster.prepare_all(gpu, layout.raster_backend, image, device, triangles)?;
             let target = (!compute).then(|| EmptyTarget::new(gpu, "attachment of a count", shape.size)).transpose()?;
             let canvas = Canvas::of(work.first(), target.as_ref(), layout.vertices(triangles))?;
-            let mut buffers = vec![(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
+            let mut buffers = vec![(1, &device.positions), (2, &device.indices), (3, &drawn), (5, &taken)];
             buffers.extend(clipped.then_some((0, &storage)));
-            let pass = self.fill.pass(gpu, Fill::Tally { clipped, compute }, &bound(&buffers), canvas)?;
+            let pass = self.fill.pass(gpu, Fill::Tally { clipped }, &bound(&buffers), canvas)?;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(&taken, 0, None);
             work.iter().for_each(|work| work.record(&mut encoder));
@@ -300,7 +300,7 @@ impl Pipelines {
         let triangles = geometry.triangles.len() as u32;
         let device = geometry.on_device()?;
         let images = layout.views.iter().map(|view| layout.image_of(view));
-        let work = self.raster.prepare_all(&self.gpu, layout.drawn_by, images, device, triangles)?;
+        let work = self.raster.prepare_all(&self.gpu, layout.raster_backend, images, device, triangles)?;
         let prepared = self.prepare(layout, parts, device, objects, &work, triangles)?;
         RasterWork::record_all(&work, clock)?;
         let mut first = true;
@@ -352,15 +352,15 @@ impl Pipelines {
 
 /// Bytes of the list of pieces that are too long for an invocation, which are no more than fit into so many nodes.
 fn long_pieces_bytes(capacity: u32) -> u64 {
-    4 * u64::from(3 + (capacity / MOST_ALONE).clamp(1, MOST_LONG_PIECES))
+    4 * u64::from(3 + (capacity / MAX_ALONE).clamp(1, MAX_LONG_PIECES))
 }
 
 /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
 pub(crate) fn build_bytes(layout: &Layout, parts: &Parts, triangles: u32) -> u64 {
     let levels: usize = (0..layout.views.len()).map(|view| layout.levels_of(view) - 1).sum();
     let made = if layout.hi_z { layout.views.len() * size_of::<TracedView>() + levels * 16 } else { 0 };
-    let uniforms = parts.parts.len() * size_of::<Storage>() + layout.views.len() * size_of::<DrawnView>() + made;
-    let of_view = if layout.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
+    let uniforms = parts.parts.len() * size_of::<Storage>() + layout.views.len() * size_of::<RasterizedView>() + made;
+    let of_view = if layout.raster_backend == RasterBackend::Compute { RasterWork::bytes(triangles, false) } else { 0 };
     let long_pieces: u64 = match layout.kind.is_contiguous() {
         true => parts.parts.iter().map(|part| long_pieces_bytes(part.capacity)).sum(),
         false => 0,

@@ -1,8 +1,8 @@
 //! What pixels may and must have of triangles that are clipped to them, in f64.
 //!
-//! The device grows pixels by [`margin`] when it clips. What it stores must lie between what f64 finds for pixels grown by half of that and by
-//! one and a half, with what f32 loses of coordinates on either side. A triangle with an edge through a view's eye is let off there: which
-//! pixels it touches is noise.
+//! The device grows pixels by [`margin`] when it clips. What it stores must lie between what f64 finds for pixels grown by half of that and
+//! by one and a half, with what f32 loses of coordinates on either side. A triangle with an edge through a view's eye is let off there:
+//! which pixels it touches is noise.
 
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::{Geometry, View};
@@ -14,8 +14,8 @@ const DEPTH_SLACK: f64 = 9.536_743_164_062_5e-7;
 /// What f32 loses of a coordinate that goes through a difference and a rotation, relative to the greatest one: eight roundings.
 const COORDINATE_LOSS: f64 = 4.768_371_582_031_25e-7;
 
-/// By how much the product of two edges of size 1 is off in f32: of edges that are differences of one rounding, divided by their sizes, a sum
-/// of two products in every component.
+/// By how much the product of two edges of size 1 is off in f32: of edges that are differences of one rounding, divided by their sizes, a
+/// sum of two products in every component.
 const NORMAL_LOSS: f64 = 2e-6;
 
 /// Sines of the angle between edges below which f32 may take a triangle to have no area.
@@ -127,8 +127,8 @@ impl<'a> Seen<'a> {
             clipped_depths(&view, TileBounds::of_tile(pixel, 1.0, margin), self.corners)
         };
         let (near, far) = (self.view.near, self.view.far);
-        let (least_near, greatest_far) = (f64::max(near - slack(near), 0.5 * near), far + slack(far));
-        let grown = |by: f64| within(1.5 * margin(self.view.size) + by, least_near, greatest_far);
+        let (min_near, max_far) = (f64::max(near - slack(near), 0.5 * near), far + slack(far));
+        let grown = |by: f64| within(1.5 * margin(self.view.size) + by, min_near, max_far);
         // The loss is least where the triangle is farthest: grown by that of near first, to learn how near it comes.
         let [nearest, _] = grown(self.border_loss(near))?;
         let by = self.border_loss(nearest);

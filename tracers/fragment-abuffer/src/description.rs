@@ -1,8 +1,8 @@
 //! The parameters of `fragment-abuffer`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
     /// Whether something is done.
@@ -146,8 +146,8 @@ parameters! {
         max_steps: u32 = Parameter::integer(Trace, 1..=1 << 20, 1 << 14)
             .unit("pixels")
             .sweep([64, 256, 1024, 4096, 16_384]),
-        build: DrawnBy = build_parameter().improved(DrawnBy::Compute),
-        reads: Reads = reads_parameter(),
+        build: RasterBackend = build_parameter().improved(RasterBackend::Compute),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -156,15 +156,15 @@ parameters! {
 pub(crate) const NO_REFIT: &str = "fragment-abuffer has no shape to keep: its fragments are drawn again or reused";
 
 /// What `fragment-abuffer` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "fragment-abuffer",
         citation: "Vardis, Vasilakis, Papaioannou: A Multiview and Multilayer Approach for Interactive Ray Tracing, I3D 2016",
         summary: "every fragment of the pixels of seven views, in lists by depth, rays marched over the images",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: FragmentParameters::describe(),

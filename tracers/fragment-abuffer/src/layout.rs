@@ -2,15 +2,15 @@
 
 use bytemuck::Zeroable;
 use tracebench_api::{View, Viewpoint};
-use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterImage, view_uniform};
+use tracebench_kit::{MAX_LEVELS, Pyramid, RasterBackend, RasterImage, view_uniform};
 
 use crate::description::{
     Bounds, Centre, Coverage, FragmentParameters, Fragments, Kind, Layers, March, Outline, Switch, Views,
 };
-pub(crate) use tracebench_shaders::fragment_abuffer::{DrawnView, Storage, TracedView};
+pub(crate) use tracebench_shaders::fragment_abuffer::{RasterizedView, Storage, TracedView};
 
 /// Views at most: the camera's and six faces.
-pub(crate) const MOST_VIEWS: usize = 7;
+pub(crate) const MAX_VIEWS: usize = 7;
 
 /// Words of what shading needs of a fragment: normal and material.
 pub(crate) const PAYLOAD_WORDS: u32 = 4;
@@ -73,7 +73,7 @@ pub(crate) struct Layout {
     /// Whether there is a pyramid of depth bounds.
     pub hi_z: bool,
     /// What draws.
-    pub drawn_by: DrawnBy,
+    pub raster_backend: RasterBackend,
 }
 
 impl Layout {
@@ -83,7 +83,7 @@ impl Layout {
             Centre::Eye => 0.0,
         };
         let has_camera = parameters.views != Views::Six;
-        let mut views = Vec::with_capacity(MOST_VIEWS);
+        let mut views = Vec::with_capacity(MAX_VIEWS);
         if has_camera {
             views.push(viewpoint.frame_view());
         }
@@ -104,7 +104,7 @@ impl Layout {
             // Which fragment is the nearest the boxes do not tell.
             by_boxes: parameters.bounds == Bounds::Boxes && !one_layer,
             hi_z: parameters.march == March::HiZ,
-            drawn_by: parameters.build,
+            raster_backend: parameters.build,
         }
     }
 
@@ -182,10 +182,10 @@ impl Layout {
     }
 
     /// Where the pyramid has the levels of each view, pairs of depth bounds, and how many there are.
-    fn level_offsets(&self) -> (Vec<[u32; MOST_LEVELS]>, u64) {
+    fn level_offsets(&self) -> (Vec<[u32; MAX_LEVELS]>, u64) {
         let mut total = 0;
         let of_view = |view: usize| {
-            let mut offsets = [0; MOST_LEVELS];
+            let mut offsets = [0; MAX_LEVELS];
             if self.hi_z {
                 (offsets, total) = self.pyramid_of(view).offsets(1, total);
             }
@@ -235,8 +235,8 @@ impl Layout {
     }
 
     /// The views as the trace takes them, unused ones zero; `placed` is where each lies.
-    pub(crate) fn traced(&self, placed: &[Placed]) -> [TracedView; MOST_VIEWS] {
-        let mut all: [TracedView; MOST_VIEWS] = Zeroable::zeroed();
+    pub(crate) fn traced(&self, placed: &[Placed]) -> [TracedView; MAX_VIEWS] {
+        let mut all: [TracedView; MAX_VIEWS] = Zeroable::zeroed();
         let (offsets, _) = self.level_offsets();
         for (index, (slot, view)) in all.iter_mut().zip(&self.views).enumerate() {
             let beyond = [view.right, -view.right, view.up, -view.up].map(|side| {

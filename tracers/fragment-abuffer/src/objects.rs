@@ -1,7 +1,7 @@
 //! Objects, whose bounding boxes stand for them in the depth bounds stage (VVP16, section 3.3).
 
 use tracebench_api::{Geometry, Gpu, Ledger, TracerError};
-use tracebench_kit::Room;
+use tracebench_kit::GrowableBuffer;
 
 const OBJECTS: &str = "objects of triangles";
 const BOXES: &str = "object boxes";
@@ -46,9 +46,9 @@ pub(crate) fn objects_of(vertices: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, 
 #[derive(Debug)]
 pub(crate) struct Objects {
     /// The object of every triangle.
-    pub of_triangles: Room,
+    pub of_triangles: GrowableBuffer,
     /// The boxes, made by every build.
-    pub boxes: Room,
+    pub boxes: GrowableBuffer,
     pub count: u32,
 }
 
@@ -57,9 +57,9 @@ impl Objects {
     pub(crate) fn new(gpu: &Gpu, geometry: &Geometry, there: Option<&Self>) -> Result<Self, TracerError> {
         let (numbers, count) = objects_of(geometry.positions.len(), &geometry.triangles);
         let numbers: &[u8] = bytemuck::cast_slice(&numbers);
-        let room = |name, bytes, there: Option<&Room>| {
+        let room = |name, bytes, there: Option<&GrowableBuffer>| {
             let there = there.filter(|there| there.buffer.size() == bytes);
-            Room::new(gpu, name, bytes, "the scene's triangle count", there)
+            GrowableBuffer::new(gpu, name, bytes, "the scene's triangle count", there)
         };
         let of_triangles = room(OBJECTS, numbers.len() as u64, there.map(|there| &there.of_triangles))?;
         let boxes = room(BOXES, u64::from(count).max(1) * BOX_BYTES, there.map(|there| &there.boxes))?;

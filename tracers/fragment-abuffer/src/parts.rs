@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{DrawnBy, EmptyTarget, PrefixSum, PrefixSumPlan, ReadSlot, storage_buffer};
+use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan, RasterBackend, ReadSlot, storage_buffer};
 
 use crate::layout::{Layout, PAYLOAD_WORDS, Placed};
 
-pub(crate) const TURN_DOWN: &str =
-    "--face, --frame or fragment-abuffer.buckets, or choose fewer fragment-abuffer.views or layers";
+pub(crate) const HINT: &str =
+    "--face-size, --frame-size or fragment-abuffer.buckets, or choose fewer fragment-abuffer.views or layers";
 
 /// What ledgers call the buffers.
 const IDS: &str = "id buffer";
@@ -60,7 +60,7 @@ pub(crate) struct Parts {
 }
 
 fn storage(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer, TracerError> {
-    storage_buffer(gpu, name, bytes, TURN_DOWN)
+    storage_buffer(gpu, name, bytes, HINT)
 }
 
 impl Part {
@@ -111,9 +111,9 @@ pub(crate) fn view_suffix(view: usize) -> String {
 /// Whether the device can bind so many nodes at once, and what shading needs of them.
 pub(crate) fn check_nodes(gpu: &Gpu, layout: &Layout, suffix: &str, count: u32) -> Result<(), TracerError> {
     let bytes = |words: u32| u64::from(count.max(1)) * u64::from(words) * 4;
-    gpu.check_storage_binding(&format!("{IDS}{suffix}"), bytes(layout.node_words()), TURN_DOWN)?;
+    gpu.check_storage_binding(&format!("{IDS}{suffix}"), bytes(layout.node_words()), HINT)?;
     let data = if layout.decoupled { bytes(PAYLOAD_WORDS) } else { 0 };
-    gpu.check_storage_binding(&format!("{PAYLOADS}{suffix}"), data, TURN_DOWN)
+    gpu.check_storage_binding(&format!("{PAYLOADS}{suffix}"), data, HINT)
 }
 
 /// Buffers for so many nodes.
@@ -144,7 +144,7 @@ impl Parts {
         let mut targets = Vec::new();
         for (view, name) in [(0, TARGETS[usize::from(!layout.has_camera)]), (1, TARGETS[1])] {
             let is_drawn = view < views && (view == 0 || layout.has_camera);
-            if is_drawn && layout.drawn_by == DrawnBy::Raster {
+            if is_drawn && layout.raster_backend == RasterBackend::Raster {
                 targets.push(EmptyTarget::new(gpu, name, layout.views[view].size)?);
             }
         }

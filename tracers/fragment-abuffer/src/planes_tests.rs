@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{EndPoint, Hit, Ray, Surface};
+use tracebench_api::{Hit, Ray, Surface, TraceTo};
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, ray, soup};
 
@@ -104,7 +104,7 @@ fn every_variant_gives_the_same_bits() {
     let tracers = [&gpu, &small].map(|gpu| FragmentAbuffer::new(Arc::clone(gpu)).unwrap());
     let mut expected: Option<(Vec<Hit>, Vec<Surface>)> = None;
     for storage in STORAGES {
-        for (device, decoupled, bounds, reads, rays_per_lane, march, build) in [
+        for (device, decoupled, bounds, memory_access, rays_per_lane, march, build) in [
             (0, "on", "geometry", "buffer", "1", "pixels", "raster"),
             (0, "off", "boxes", "texture", "7", "hi-z", "compute"),
             (1, "off", "geometry", "buffer", "3", "hi-z", "compute"),
@@ -118,7 +118,7 @@ fn every_variant_gives_the_same_bits() {
                     ("bounds", bounds),
                     ("outline", "masked"),
                     ("march", march),
-                    ("reads", reads),
+                    ("memory_access", memory_access),
                     ("rays_per_lane", rays_per_lane),
                     ("build", build),
                     ("start_bias", "0"),
@@ -130,8 +130,8 @@ fn every_variant_gives_the_same_bits() {
             for switches in skipping {
                 let skips: Vec<(&str, &str)> = SKIPS.into_iter().zip(switches.split(' ')).collect();
                 let settings = with(&shape, &skips);
-                let found = answer(gpu, &structure, &rays, &settings, EndPoint::Surface);
-                let to_hits = answer(gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+                let found = answer(gpu, &structure, &rays, &settings, TraceTo::Surface);
+                let to_hits = answer(gpu, &structure, &rays, &settings, TraceTo::Hit).0;
                 assert_eq!(to_hits, found.0, "{settings:?}");
                 let expected = expected.get_or_insert_with(|| found.clone());
                 let off = found.0.iter().zip(&expected.0).filter(|(a, b)| a != b).count();
@@ -200,7 +200,7 @@ fn share_right(
     rays: &[Ray],
     settings: &[(&str, &str)],
 ) -> f64 {
-    let (hits, surfaces) = answer(&structure.pipelines.gpu, structure, rays, settings, EndPoint::Surface);
+    let (hits, surfaces) = answer(&structure.pipelines.gpu, structure, rays, settings, TraceTo::Surface);
     let mut right = 0;
     for (index, ((hit, surface), ray)) in hits.iter().zip(&surfaces).zip(rays).enumerate() {
         let truth = first_met(triangles, ray).unwrap();
@@ -242,7 +242,7 @@ fn no_ray_leaves_a_closed_surface() {
         assert!(share > 0.85, "{march}: {share}");
     }
     let points = with(&IMPROVED, &[("fragments", "points"), ("coverage", "sample")]);
-    let (hits, _) = answer(&gpu, &built(&gpu, &geometry, &points), &rays, &points, EndPoint::Hit);
+    let (hits, _) = answer(&gpu, &built(&gpu, &geometry, &points), &rays, &points, TraceTo::Hit);
     assert!(hits.iter().any(|hit| !hit.is_hit()), "nothing slips past points");
     let filled = with(&IMPROVED, &[("outline", "filled")]);
     let [kept, filled] = [&IMPROVED[..], &filled[..]].map(|settings| {
@@ -308,16 +308,16 @@ fn equal_triangles_give_one_surface() {
         for decoupled in ["on", "off"] {
             let settings = with(&IMPROVED, &[("storage", storage), ("decoupled", decoupled)]);
             let structure = built(&gpu, &geometry, &settings);
-            let (hits, surfaces) = answer(&gpu, &structure, &rays, &settings, EndPoint::Surface);
-            assert_eq!(answer(&gpu, &structure, &rays, &settings, EndPoint::Hit).0, hits);
+            let (hits, surfaces) = answer(&gpu, &structure, &rays, &settings, TraceTo::Surface);
+            assert_eq!(answer(&gpu, &structure, &rays, &settings, TraceTo::Hit).0, hits);
             assert!(hits.iter().all(Hit::is_hit), "{settings:?}");
             assert!(surfaces.iter().all(|surface| surface.material == 7), "{settings:?}");
         }
     }
 }
 
-/// Pieces of thousands of fragments, at equal depths or at depths in no order, are ordered as short ones are: of planes and of points, in nodes
-/// with their data or without. An invocation alone would not get through them within a driver's limit of rounds.
+/// Pieces of thousands of fragments, at equal depths or at depths in no order, are ordered as short ones are: of planes and of points, in
+/// nodes with their data or without. An invocation alone would not get through them within a driver's limit of rounds.
 #[test]
 fn long_pieces_are_ordered() {
     let gpu = gpu();

@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, TraceJob,
-    TracerError, View,
+    Geometry, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, Projection, SampledImage, TraceJob, TracerError,
+    View,
 };
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, check_limits, grow, untimed};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, MemoryAccess, check_limits, grow, untimed};
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::arrays::Arrays;
 use crate::build::{Pipelines, build_bytes};
 use crate::description::{FragmentParameters, NO_REFIT};
-use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
+use crate::layout::{Layout, MAX_VIEWS, Storage, TracedView};
 use crate::objects::Objects;
 use crate::parts::{Parts, Taken};
 use crate::trace::MarchSettings;
@@ -54,12 +54,18 @@ impl Pipelines {
 
     /// Buffers with room for the fragments of every view: one of a kind where the device can bind it, else one a view if it can bind all
     /// of these at once or reads from textures.
-    fn counted_parts(&self, layout: &Layout, geometry: &Geometry, reads: Reads) -> Result<Parts, TracerError> {
+    fn counted_parts(
+        &self,
+        layout: &Layout,
+        geometry: &Geometry,
+        memory_access: MemoryAccess,
+    ) -> Result<Parts, TracerError> {
         let counts = self.count(geometry, layout)?;
         let whole = counts.iter().fold(0, |sum: u32, count| sum.saturating_add(*count));
         match self.parts(layout, &[whole], false) {
             Err(TracerError::TooLarge { .. })
-                if layout.views.len() > 1 && (reads == Reads::Texture || self.binds_every_view(layout)) =>
+                if layout.views.len() > 1
+                    && (memory_access == MemoryAccess::Texture || self.binds_every_view(layout)) =>
             {
                 self.parts(layout, &counts, true)
             }
@@ -71,7 +77,7 @@ impl Pipelines {
     fn binds_every_view(&self, layout: &Layout) -> bool {
         let (contiguous, planes) = (layout.kind.is_contiguous(), layout.planes);
         let least = Trace::Split { contiguous, planes, surfaces: false, counters: false };
-        check_limits(&self.gpu, least.into()).is_ok()
+        check_limits(&self.gpu, least.into(), &["trace"]).is_ok()
     }
 }
 
@@ -80,39 +86,32 @@ impl DeviceStructure for FragmentStructure {
 
     const NO_REFIT: &'static str = NO_REFIT;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let gpu = &*pipelines.gpu;
         let parameters = FragmentParameters::try_from(parameters)?;
         let layout = Layout::new(viewpoint, &parameters);
         let there = before.and_then(|before| before.objects.as_ref());
         let has_objects = layout.by_boxes && layout.has_bounds();
         let objects = has_objects.then(|| Objects::new(gpu, geometry, there)).transpose()?;
-        let sizes = |layout: &Layout| (layout.drawn_by, layout.views.iter().map(|view| view.size).collect::<Vec<_>>());
+        let sizes =
+            |layout: &Layout| (layout.raster_backend, layout.views.iter().map(|view| view.size).collect::<Vec<_>>());
         let parts = match before {
             Some(before) if sizes(&layout) == sizes(&before.layout) => before.parts.clone(),
             Some(Self { parts: Parts { parts, .. }, .. }) => {
                 let capacities: Vec<u32> = parts.iter().map(|part| part.capacity).collect();
                 pipelines.parts(&layout, &capacities, parts.len() > 1)?
             }
-            None => pipelines.counted_parts(&layout, geometry, parameters.reads)?,
+            None => pipelines.counted_parts(&layout, geometry, parameters.memory_access)?,
         };
-        let arrays = Arrays::new(gpu, parameters.reads, &parts, before.map(|before| &before.arrays))?;
+        let arrays = Arrays::new(gpu, parameters.memory_access, &parts, before.map(|before| &before.arrays))?;
         pipelines.fill(&layout, &parts, geometry, objects.as_ref(), clock)?;
         arrays.record_copies(clock)?;
         let (diagonal, triangle_count) = (geometry.diagonal(), geometry.triangles.len() as u32);
         Ok(Self { pipelines: Arc::clone(pipelines), layout, parts, arrays, diagonal, triangle_count, objects })
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let taken = self.parts.taken(gpu)?;
         let fits = self.parts.parts.iter().zip(&taken).all(|(part, taken)| taken.fragments <= part.capacity);
@@ -122,7 +121,7 @@ impl DeviceStructure for FragmentStructure {
         let needed: Vec<u32> = taken.iter().map(|taken| taken.fragments).collect();
         grow(&needed, |room| {
             self.parts.set_capacities(gpu, &self.layout, room)?;
-            self.arrays = Arrays::new(gpu, self.arrays.reads(), &self.parts, Some(&self.arrays))?;
+            self.arrays = Arrays::new(gpu, self.arrays.memory_access(), &self.parts, Some(&self.arrays))?;
             Ok(())
         })?;
         Ok(true)
@@ -144,21 +143,19 @@ impl DeviceStructure for FragmentStructure {
     }
 
     fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        let FragmentParameters { rays_per_lane, .. } = FragmentParameters::try_from(job.parameters)?;
-        // One more for the rays that lanes of several leave.
-        let searches = if rays_per_lane > 1 { 2 } else { 1 };
+        FragmentParameters::try_from(job.parameters)?;
         let uniforms = [
             ("storage", size_of::<Storage>()),
-            ("search", searches * size_of::<MarchSettings>()),
-            ("views", MOST_VIEWS * size_of::<TracedView>()),
+            ("search", size_of::<MarchSettings>()),
+            ("views", MAX_VIEWS * size_of::<TracedView>()),
         ];
         Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())
     }
 
-    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         let layers = if self.layout.one_layer { Layers::Nearest } else { Layers::All };
         let march = FragmentParameters::try_from(parameters)?.image_march(self.diagonal);
-        let of = |view: &View| Sampling { march, ..Sampling::new(Projection::Perspective(*view), layers) };
+        let of = |view: &View| SampledImage { march, ..SampledImage::new(Projection::Perspective(*view), layers) };
         Ok(self.layout.views.iter().map(of).collect())
     }
 

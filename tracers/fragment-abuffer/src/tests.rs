@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Query, Ray, Structure, Surface, TracerError, Update,
-    Viewpoint,
+    Geometry, Gpu, Hit, Parameters, PhaseClock, Query, Ray, Structure, Surface, TraceTo, TracerError, Update, Viewpoint,
 };
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup};
 
 use tracebench_shaders::constants;
 
-use super::build::{BAND, MOST_ALONE, WORKGROUP_SIZE};
+use super::build::{BAND, MAX_ALONE, WORKGROUP_SIZE};
 use super::description;
 use super::structure::{FragmentAbuffer, FragmentStructure};
 
@@ -23,7 +22,7 @@ pub(crate) const SKIPS: [&str; 3] = ["skip_bounds", "skip_buckets", "skip_lists"
 #[test]
 fn constants_are_those_of_the_shaders() {
     for (file, name, expected) in
-        [("reorder", "WORKGROUP_SIZE", WORKGROUP_SIZE), ("reorder", "MOST_ALONE", MOST_ALONE), ("boxes", "BAND", BAND)]
+        [("reorder", "WORKGROUP_SIZE", WORKGROUP_SIZE), ("reorder", "MAX_ALONE", MAX_ALONE), ("boxes", "BAND", BAND)]
     {
         assert_eq!(constants(&format!("fragment-abuffer/{file}.wgsl"), name), [expected].into(), "{name}");
     }
@@ -69,9 +68,9 @@ pub(crate) fn answer(
     structure: &Built<FragmentStructure>,
     rays: &[Ray],
     settings: &[(&str, &str)],
-    end: EndPoint,
+    trace_to: TraceTo,
 ) -> (Vec<Hit>, Vec<Surface>) {
-    answers(gpu, structure, rays, Query::Closest, &parameters(settings), end)
+    answers(gpu, structure, rays, Query::Closest, &parameters(settings), trace_to)
 }
 
 /// Random triangles of many sizes, huge ones, needles, some through and behind the eye, edge-on, without area, before near,
@@ -170,16 +169,16 @@ fn every_variant_of(march: &str) {
     for storage in STORAGES {
         let mut builds = vec![(0, "on", "geometry", "buffer", "1"), (0, "off", "boxes", "texture", "7")];
         // A device that binds little has a buffer a view, which one texture may hold together.
-        let reads = if march == "pixels" { "texture" } else { "buffer" };
-        builds.push((1, "on", "geometry", reads, "3"));
-        for (device, decoupled, bounds, reads, rays_per_lane) in builds {
+        let memory_access = if march == "pixels" { "texture" } else { "buffer" };
+        builds.push((1, "on", "geometry", memory_access, "3"));
+        for (device, decoupled, bounds, memory_access, rays_per_lane) in builds {
             let gpu = [&gpu, &small][device];
             let shape = [
                 ("storage", storage),
                 ("decoupled", decoupled),
                 ("bounds", bounds),
                 ("march", march),
-                ("reads", reads),
+                ("memory_access", memory_access),
                 ("rays_per_lane", rays_per_lane),
             ];
             let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
@@ -198,8 +197,8 @@ fn every_variant_of(march: &str) {
                     settings.extend([("thickness", thickness), ("thickness_in", unit)]);
                     settings.extend(SKIPS.into_iter().zip(switches.split(' ')));
                     settings.push(("binary_search_above", above));
-                    let found = answer(gpu, &structure, &rays, &settings, EndPoint::Surface);
-                    let to_hits = answer(gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+                    let found = answer(gpu, &structure, &rays, &settings, TraceTo::Surface);
+                    let to_hits = answer(gpu, &structure, &rays, &settings, TraceTo::Hit).0;
                     assert_eq!(to_hits, found.0, "{settings:?}");
                     let expected = expected[index].get_or_insert_with(|| found.clone());
                     let off = found.0.iter().zip(&expected.0).filter(|(a, b)| a != b).count();
@@ -239,7 +238,7 @@ fn too_much_is_refused() {
     let mut clock = PhaseClock::new(Some(&gpu));
     let refused = tracer.build_structure(&geometry, &viewpoint(), &parameters(&[]), &mut clock).err();
     assert!(
-        matches!(&refused, Some(TracerError::TooLarge { turn_down, .. }) if turn_down.contains("--face")),
+        matches!(&refused, Some(TracerError::TooLarge { hint, .. }) if hint.contains("--face-size")),
         "{refused:?}"
     );
 }
@@ -255,7 +254,7 @@ fn a_structure_that_overflows_grows() {
     for storage in ["dllb", "s-buffer"] {
         let settings = [("storage", storage)];
         let mut structure = built(&gpu, &few, &settings);
-        assert!(!structure.make_room().unwrap());
+        assert!(!structure.grow_on_overflow().unwrap());
         let update = |structure: &mut Built<FragmentStructure>| {
             let mut clock = PhaseClock::new(Some(&gpu));
             structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&settings), &mut clock).unwrap();
@@ -263,14 +262,14 @@ fn a_structure_that_overflows_grows() {
         };
         update(&mut structure);
         // Before it has grown it is whole as far as it goes.
-        answer(&gpu, &structure, &rays, &settings, EndPoint::Surface);
+        answer(&gpu, &structure, &rays, &settings, TraceTo::Surface);
         assert!(structure.check(&many).is_err());
-        assert!(structure.make_room().unwrap());
+        assert!(structure.grow_on_overflow().unwrap());
         update(&mut structure);
-        assert!(!structure.make_room().unwrap());
+        assert!(!structure.grow_on_overflow().unwrap());
         structure.check(&many).unwrap();
         let fresh = built(&gpu, &many, &settings);
-        let of = |structure| answer(&gpu, structure, &rays, &settings, EndPoint::Surface);
+        let of = |structure| answer(&gpu, structure, &rays, &settings, TraceTo::Surface);
         assert_eq!(of(&structure), of(&fresh), "{storage}");
         assert_ne!(of(&structure), of(&built(&gpu, &few, &settings)));
     }

@@ -1,15 +1,15 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{BindingResource, Buffer};
-use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, TraceJob, TracerError};
+use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
+use tracebench_api::{Counter, HitBuffer, ImageMarch, MarchSteps, Ray, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    Launch, Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer,
-    untimed,
+    Left, MemoryAccess, Search, SearchJob, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at,
+    uniform_buffer, untimed,
 };
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::description::{Coverage, FragmentParameters, Fragments, March, Span, Switch, ThicknessUnit};
-use crate::layout::MOST_VIEWS;
+use crate::layout::MAX_VIEWS;
 use crate::structure::FragmentStructure;
 pub(crate) use tracebench_shaders::fragment_abuffer::MarchSettings;
 
@@ -74,18 +74,14 @@ impl FragmentStructure {
             skip_buckets: u32::from(parameters.skip_buckets == Switch::On),
             skip_lists: u32::from(parameters.skip_lists == Switch::On),
             rays_per_lane: parameters.rays_per_lane,
-            unanswered_only: 0,
             touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
-            padding_a: 0,
-            padding_b: 0,
-            padding_c: 0,
         }
     }
 
     /// The buffers of all views but the first, for variants that bind each view's; places of views that do not exist are taken by
     /// one that does.
     fn further_views(&self, surfaces: bool) -> Vec<BindingResource<'_>> {
-        let parts = (1..MOST_VIEWS).map(|view| self.parts.of_view(view));
+        let parts = (1..MAX_VIEWS).map(|view| self.parts.of_view(view));
         let data = parts.clone().filter(|_| surfaces).map(|part| part.data());
         let all = parts.clone().map(|part| &part.pixels).chain(parts.map(|part| &part.ids)).chain(data);
         all.map(Buffer::as_entire_binding).collect()
@@ -95,66 +91,56 @@ impl FragmentStructure {
 impl Search for FragmentStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         // Any hit is the same march: its first hit is its nearest.
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
         let (parts, count) = (&self.parts, job.rays.host.len());
         let (contiguous, planes) = (self.layout.kind.is_contiguous(), self.layout.planes);
-        let textures = self.arrays.reads() == Reads::Texture;
-        let (surfaces, counters) = (job.end == EndPoint::Surface, counting.is_some());
+        let textures = self.arrays.memory_access() == MemoryAccess::Texture;
+        let (surfaces, counters) = (job.trace_to == TraceTo::Surface, counting.is_some());
         let split = parts.is_by_view() && !textures;
         let variant = match split {
             true => Trace::Split { contiguous, planes, surfaces, counters },
             false => Trace::Plain { textures, contiguous, planes, surfaces, counters },
         };
-        let pipeline = pipelines.traces.of(gpu, variant)?;
         let search = self.search(job, &FragmentParameters::try_from(job.parameters)?, counting);
         let first = parts.of_view(0);
-        let [storage, views] = [
+        let [storage, settings, views] = [
             uniform_buffer(gpu, "storage", &self.layout.storage(first.pixel_count, first.capacity))?,
+            uniform_buffer(gpu, "search", &search)?,
             uniform_buffer(gpu, "views", &self.layout.traced(&parts.placed()))?,
         ];
         let hit_buffer = hits.on_device(count)?;
-        let mut bound = vec![(0, &storage), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
+        let mut bound = vec![(0, &storage), (1, &settings), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
         if surfaces {
             bound.push((5, hits.surfaces_on_device(count)?));
         }
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
-        let mut shared = vec![bind_arrays(gpu, &pipeline, &self.arrays.bound(surfaces))];
-        if split {
-            shared.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
-        }
-        let bind = |search: MarchSettings| -> Result<Launch, TracerError> {
-            let settings = uniform_buffer(gpu, "search", &search)?;
-            let numbered = bound.iter().copied().chain([(1, &settings)]);
-            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
-            let groups = std::iter::once(own).chain(shared.iter().cloned()).collect();
-            Ok(Launch { pipeline: pipeline.clone(), groups, rays_per_lane: search.rays_per_lane })
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let bind = |pipeline: &ComputePipeline, _| {
+            let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound)];
+            groups.push(bind_arrays(gpu, pipeline, &self.arrays.bound(surfaces)));
+            if split {
+                groups.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
+            }
+            groups
         };
-        let mut searches = vec![bind(search)?];
-        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
-        if search.rays_per_lane > 1 {
-            searches.push(bind(MarchSettings { rays_per_lane: 1, unanswered_only: 1, ..search })?);
-        }
-        record_searches(&searches, search.ray_count, hit_buffer, clock)
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        pipelines.traces.record(gpu, variant, rays, bind, clock)
     }
 
     fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         // Of nodes and of their data.
         let things = [self.parts.capacity(); 2];
-        let counting = TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size, --face or --frame")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        let counting =
+            TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size, --face-size or --frame-size")?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         let mut counters = counting.counters(gpu, ["fragments_touched", "payloads_touched"])?;
-        counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
+        counters.retain(|counter| job.trace_to == TraceTo::Surface || counter.name != "payloads_touched");
         Ok(counters)
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{EndPoint, Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob};
+use tracebench_api::{Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TraceTo};
 use tracebench_tests::{Numbers, gpu, ray, soup};
 
 use super::structure::FragmentAbuffer;
@@ -32,9 +32,9 @@ fn each_skip_saves_what_it_says() {
         let counted = |switches: [&str; 3]| {
             let settings = [&shape[..], &SKIPS.into_iter().zip(switches).collect::<Vec<_>>()].concat();
             let rays = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(&gpu));
-            let mut hits = HitBuffer::for_end(EndPoint::Hit, rays.host.len(), Residency::Device, Some(&gpu)).unwrap();
+            let mut hits = HitBuffer::tracing_to(TraceTo::Hit, rays.host.len(), Residency::Device, Some(&gpu)).unwrap();
             hits.poison(Some(&gpu)).unwrap();
-            let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters(&settings) };
+            let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &parameters(&settings) };
             let counters = structure.trace_counted(job, &mut hits).unwrap();
             let of = |name: &str| counters.iter().find(|counter| counter.name == name).unwrap().total;
             (["pixels_visited", "lists_visited", "fragments_tested"].map(of), hits.read(Some(&gpu)).unwrap())
@@ -75,7 +75,7 @@ fn rays_of_lanes_that_are_cut_off_are_answered() {
     let structure = built(&gpu, &geometry, &shape);
     let of = |rays_per_lane| {
         let settings = [&shape[..], &[("rays_per_lane", rays_per_lane)]].concat();
-        answer(&gpu, &structure, &rays, &settings, EndPoint::Surface)
+        answer(&gpu, &structure, &rays, &settings, TraceTo::Surface)
     };
     let one = of("1");
     let count = |is: fn(&Hit) -> bool| one.0.iter().filter(|hit| is(hit)).count();
@@ -108,7 +108,7 @@ fn rays_find_the_wall_that_they_meet_first() {
                 rays.push(ray(origin, direction));
                 expected.push(f64::abs(to - from) * direction.length());
             }
-            let (hits, surfaces) = answer(&gpu, &structure, &rays, &settings, EndPoint::Surface);
+            let (hits, surfaces) = answer(&gpu, &structure, &rays, &settings, TraceTo::Surface);
             for ((hit, surface), expected) in hits.iter().zip(&surfaces).zip(&expected) {
                 let context = format!("{storage} {march}: {hit:?} {expected}");
                 assert!(hit.is_hit() && (f64::from(hit.t) - expected).abs() < 1e-4 * expected, "{context}");
@@ -138,7 +138,7 @@ fn thickness_closes_gaps_and_invents_hits() {
     let behind: Vec<Ray> =
         (0..400).map(|_| ray(eye + DVec3::new(-1.5, 0.3 * numbers.signed(), -4.2), DVec3::X)).collect();
     let share = |rays: &[Ray], thickness| {
-        let (hits, _) = answer(&gpu, &structure, rays, &settings(thickness), EndPoint::Hit);
+        let (hits, _) = answer(&gpu, &structure, rays, &settings(thickness), TraceTo::Hit);
         hits.iter().filter(|hit| hit.is_hit()).count() as f64 / rays.len() as f64
     };
     let shares = ["0", "0.01", "0.05", "1"].map(|thickness| share(&through, thickness));

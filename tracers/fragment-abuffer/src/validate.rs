@@ -10,7 +10,7 @@ use crate::parts::Part;
 use crate::structure::{FragmentStructure, check_order};
 
 /// Pixels of a view that are held against the host's rasterizer at most: every n-th along both axes.
-const MOST_COMPARED: u64 = 4096;
+const MAX_COMPARED: u64 = 4096;
 
 /// Relative difference of a fragment's depth in two passes.
 const PASS_SLACK: f32 = 4e-6;
@@ -145,7 +145,8 @@ impl ReadBack<'_> {
         self.storage.plane_word > 0 || self.payload(node) >= self.payload(first)
     }
 
-    /// The nodes of a pixel by depth; checks that they stand in that order, of points of equal depths the least payload first, in the buckets of their depths, within the bounds.
+    /// The nodes of a pixel by depth; checks that they stand in that order, of points of equal depths the least payload first, in the
+    /// buckets of their depths, within the bounds.
     fn nodes_of(&mut self, pixel: u32) -> Result<Vec<u32>, TracerError> {
         let mut nodes = Vec::new();
         if self.storage.contiguous == 1 {
@@ -272,7 +273,7 @@ impl FragmentStructure {
     ) -> Result<(), TracerError> {
         for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
             let [width, height] = self.layout.views[view].size;
-            let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
+            let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MAX_COMPARED).unwrap_or(1);
             let step = step as u32;
             let expected = Expected::new(self, &self.layout.views[view], geometry, step)?;
             for y in 0..height {
@@ -308,7 +309,7 @@ impl<'a> Expected<'a> {
         if of.layout.conservative {
             return Ok(Self::Clipped(AllowedParts::new(view, geometry, step, of.layout.masked)));
         }
-        let border = of.layout.drawn_by.undecided_border(&of.pipelines.gpu)?;
+        let border = of.layout.raster_backend.undecided_border(&of.pipelines.gpu)?;
         Ok(Self::Sampled(allowed_fragments(view, geometry, step, border), view))
     }
 

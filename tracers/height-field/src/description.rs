@@ -1,8 +1,8 @@
 //! The parameters of `height-field`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
     /// What the pyramid has of a cell.
@@ -20,8 +20,8 @@ parameters! {
         /// pixels along the major axis skipped by rays that start in the view: with none a ray that starts behind the stored depth of its
         /// pixel hits at its start
         start_bias: f64 = Parameter::real(Trace, 0.0..=64.0, 0.0).unit("pixels").sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
-        build: DrawnBy = build_parameter(),
-        reads: Reads = reads_parameter(),
+        build: RasterBackend = build_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -30,15 +30,15 @@ parameters! {
 pub(crate) const NO_REFIT: &str = "height-field has no shape to keep: its depth buffer is rebuilt or reused";
 
 /// What `height-field` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "height-field",
         citation: "Tevs, Ihrke, Seidel: Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, I3D 2008",
         summary: "the depth buffer of one view as a height field with a pyramid, all behind it solid",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: HeightParameters::describe(),

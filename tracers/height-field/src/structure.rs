@@ -1,9 +1,11 @@
 //! The tracer and its structure.
 
 use bytemuck::Zeroable;
-use tracebench_api::{ImageMarch, Layers, MarchSteps, Parameters, Projection, Sampling, TraceJob, TracerError, View};
+use tracebench_api::{
+    ImageMarch, Layers, MarchSteps, Parameters, Projection, SampledImage, TraceJob, TracerError, View,
+};
 use tracebench_kit::{
-    CellDepths, DeviceTracer, DrawnView, ImageMethod, ImageShape, ImageStructure, rays_within_rounds,
+    CellDepths, DeviceTracer, ImageMethod, ImageShape, ImageStructure, RasterizedView, rays_within_rounds,
 };
 use tracebench_shaders::height_field::{HeightSettings, Trace};
 
@@ -16,7 +18,7 @@ pub type HeightField = DeviceTracer<ImageStructure<HeightMethod>>;
 pub struct HeightMethod;
 
 /// Pixels, and cells of the pyramid.
-fn cells(drawn: &DrawnView) -> u64 {
+fn cells(drawn: &RasterizedView) -> u64 {
     drawn.pixels() + drawn.images.pyramid.as_ref().map_or(0, |pyramid| pyramid.shape().cells())
 }
 
@@ -28,27 +30,36 @@ impl ImageMethod for HeightMethod {
     const PHASE: &'static str = "search";
 
     fn shape(view: &View, parameters: &Parameters) -> Result<ImageShape, TracerError> {
-        let HeightParameters { pyramid, reads, build: drawn_by, .. } = HeightParameters::try_from(parameters)?;
+        let HeightParameters { pyramid, memory_access, build: raster_backend, .. } =
+            HeightParameters::try_from(parameters)?;
         let pyramid = Some(match pyramid {
             Pyramid::MinMax => CellDepths::NearFar,
             Pyramid::Max => CellDepths::Near,
         });
-        Ok(ImageShape { size: view.size, layers: 1, backs: false, separation: 0.0, pyramid, reads, drawn_by })
+        Ok(ImageShape {
+            size: view.size,
+            layers: 1,
+            backs: false,
+            separation: 0.0,
+            pyramid,
+            memory_access,
+            raster_backend,
+        })
     }
 
-    fn variant(drawn: &DrawnView, surfaces: bool, counters: bool) -> Trace {
+    fn variant(drawn: &RasterizedView, surfaces: bool, counters: bool) -> Trace {
         let min_max = drawn.images.shape.pyramid == Some(CellDepths::NearFar);
         Trace { textures: drawn.images.copy.is_none(), min_max, surfaces, counters }
     }
 
-    fn settings(drawn: &DrawnView, job: &TraceJob<'_>) -> Result<(HeightSettings, u32), TracerError> {
+    fn settings(drawn: &RasterizedView, job: &TraceJob<'_>) -> Result<(HeightSettings, u32), TracerError> {
         let parameters = HeightParameters::try_from(job.parameters)?;
         let images = &drawn.images;
         // A ray crosses no more pixels than a frame has columns and rows, and goes no oftener down than up, but for the first time.
         let crossed: u64 = images.shape.size.map(u64::from).iter().sum();
         let levels = images.pyramid.as_ref().map_or(1, |pyramid| u64::from(pyramid.shape().layout().levels));
-        let most_rounds = 2 * crossed + levels + u64::from(parameters.refinement);
-        let rays_per_lane = rays_within_rounds(parameters.rays_per_lane, most_rounds);
+        let max_rounds = 2 * crossed + levels + u64::from(parameters.refinement);
+        let rays_per_lane = rays_within_rounds(parameters.rays_per_lane, max_rounds);
         let settings = HeightSettings {
             ray_count: job.rays.host.len() as u32,
             refinement: parameters.refinement,
@@ -60,15 +71,15 @@ impl ImageMethod for HeightMethod {
         Ok((settings, rays_per_lane))
     }
 
-    fn counters(_drawn: &DrawnView) -> &'static [&'static str] {
+    fn counters(_drawn: &RasterizedView) -> &'static [&'static str] {
         &["cells_visited", "depth_samples"]
     }
 
-    fn touched(drawn: &DrawnView) -> (&'static str, u64) {
+    fn touched(drawn: &RasterizedView) -> (&'static str, u64) {
         ("cells_touched", cells(drawn))
     }
 
-    fn samplings(drawn: &DrawnView, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(drawn: &RasterizedView, parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         let HeightParameters { start_bias, refinement, .. } = HeightParameters::try_from(parameters)?;
         let march = Some(ImageMarch {
             steps: MarchSteps::EveryPixel,
@@ -80,10 +91,10 @@ impl ImageMethod for HeightMethod {
             // Few halvings leave it open where in its pixel a hit is.
             anywhere: refinement < 16,
         });
-        Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(drawn.view), Layers::Nearest) }])
+        Ok(vec![SampledImage { march, ..SampledImage::new(Projection::Perspective(drawn.view), Layers::Nearest) }])
     }
 
-    fn statistics(drawn: &DrawnView, covered: &[usize]) -> Vec<(&'static str, f64)> {
+    fn statistics(drawn: &RasterizedView, covered: &[usize]) -> Vec<(&'static str, f64)> {
         let counts = [("pixels", drawn.pixels()), ("covered_pixels", covered[0] as u64), ("cells", cells(drawn))];
         counts.map(|(name, count)| (name, count as f64)).to_vec()
     }

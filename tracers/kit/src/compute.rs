@@ -4,20 +4,20 @@ use std::collections::BTreeMap;
 
 use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
 use tracebench_api::{DeviceLimits, Gpu, PhaseClock, TracerError};
-use tracebench_shaders::{Shader, Variant};
+use tracebench_shaders::{Shader, ShaderKey, Variant};
 
 use crate::OnDemand;
 
 /// Most workgroups along one dimension of a dispatch (WebGPU's limit).
-const MOST_WORKGROUPS: u32 = 65_535;
+const MAX_WORKGROUPS: u32 = 65_535;
 
-/// That the device's limits allow what a shader needs; drivers and wgpu would say so in words of their own.
+/// That the device's limits allow what entry points of a shader need; drivers and wgpu would say so in words of their own.
 ///
 /// # Errors
 /// [`TracerError::Unavailable`] with the limit.
-pub fn check_limits(gpu: &Gpu, shader: Shader) -> Result<(), TracerError> {
+pub fn check_limits(gpu: &Gpu, shader: Shader, entry_points: &[&str]) -> Result<(), TracerError> {
     let limits = &gpu.limits;
-    for entry in shader.entries {
+    for entry in shader.entries.iter().filter(|entry| entry_points.contains(&entry.name)) {
         let needs = [
             ("storage buffers in a stage", entry.storage_buffers, limits.max_storage_buffers_per_shader_stage),
             ("storage textures in a stage", entry.storage_textures, limits.max_storage_textures_per_shader_stage),
@@ -39,38 +39,34 @@ pub fn check_limits(gpu: &Gpu, shader: Shader) -> Result<(), TracerError> {
     Ok(())
 }
 
-/// Compiles a shader.
+/// Compiles a shader for some of its entry points. With `tests_early` its fragment stage, which writes to buffers, runs for nothing that
+/// its depth test rejects, where the device can be told so; elsewhere it may run for all, as WebGPU allows.
 ///
 /// # Errors
-/// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if the device refuses it.
-pub fn shader_module(gpu: &Gpu, shader: Shader) -> Result<wgpu::ShaderModule, TracerError> {
-    check_limits(gpu, shader)?;
+/// [`TracerError::Unavailable`] if the device's limits forbid one, [`TracerError::Failed`] if the device refuses it.
+pub(crate) fn shader_module(
+    gpu: &Gpu,
+    shader: Shader,
+    entry_points: &[&str],
+    tests_early: bool,
+) -> Result<wgpu::ShaderModule, TracerError> {
+    check_limits(gpu, shader, entry_points)?;
+    let source = match tests_early && gpu.device.features().contains(wgpu::Features::SHADER_EARLY_DEPTH_TEST) {
+        // Composed shaders are plain WGSL, which has no word for it.
+        true => shader.source.replacen("@fragment", "@fragment @early_depth_test(force)", 1).into(),
+        false => shader.source.into(),
+    };
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.source.into()),
+        source: wgpu::ShaderSource::Wgsl(source),
     });
     gpu.check()?;
     Ok(module)
 }
 
-/// Compiles a shader whose fragment stage writes to buffers and is to run for nothing that its depth test rejects, where the
-/// device can be told so; elsewhere it may run for all, as WebGPU allows.
-///
-/// # Errors
-/// [`TracerError::Failed`] if the device refuses it.
-pub fn shader_module_testing_early(gpu: &Gpu, shader: Shader) -> Result<wgpu::ShaderModule, TracerError> {
-    if !gpu.device.features().contains(wgpu::Features::SHADER_EARLY_DEPTH_TEST) {
-        return shader_module(gpu, shader);
-    }
-    check_limits(gpu, shader)?;
-    // Composed shaders are plain WGSL, which has no word for it.
-    let source = shader.source.replacen("@fragment", "@fragment @early_depth_test(force)", 1);
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    gpu.check()?;
-    Ok(module)
+/// What a pipeline is told of a shader.
+pub(crate) fn options(shader: Shader) -> wgpu::PipelineCompilationOptions<'static> {
+    wgpu::PipelineCompilationOptions { constants: shader.switches, ..Default::default() }
 }
 
 /// Creates a compute pipeline with a layout derived from the shader.
@@ -83,13 +79,13 @@ pub fn compute_pipeline(
     entry_point: &str,
 ) -> Result<wgpu::ComputePipeline, TracerError> {
     let shader = shader.into();
-    let module = shader_module(gpu, shader)?;
+    let module = shader_module(gpu, shader, &[entry_point], false)?;
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(shader.name),
         layout: None,
         module: &module,
         entry_point: Some(entry_point),
-        compilation_options: Default::default(),
+        compilation_options: options(shader),
         cache: None,
     });
     gpu.check()?;
@@ -108,12 +104,12 @@ pub fn every_variant<V: Variant, Made>(
 
 /// Pipelines of a shader of many variants: each is made when it is first asked for.
 #[derive(Debug)]
-pub struct PipelinesOnDemand<V> {
+pub struct PipelinesOnDemand {
     entry_point: &'static str,
-    made: OnDemand<V, wgpu::ComputePipeline>,
+    made: OnDemand<ShaderKey, wgpu::ComputePipeline>,
 }
 
-impl<V: Variant> PipelinesOnDemand<V> {
+impl PipelinesOnDemand {
     /// None yet.
     pub fn new(entry_point: &'static str) -> Self {
         Self { entry_point, made: OnDemand::default() }
@@ -123,8 +119,9 @@ impl<V: Variant> PipelinesOnDemand<V> {
     ///
     /// # Errors
     /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
-    pub fn of(&self, gpu: &Gpu, variant: V) -> Result<wgpu::ComputePipeline, TracerError> {
-        self.made.of(variant, || compute_pipeline(gpu, variant, self.entry_point))
+    pub fn of(&self, gpu: &Gpu, variant: impl Into<Shader>) -> Result<wgpu::ComputePipeline, TracerError> {
+        let shader = variant.into();
+        self.made.of(shader.key(), || compute_pipeline(gpu, shader, self.entry_point))
     }
 }
 
@@ -191,7 +188,7 @@ pub fn dispatch_linear_groups(
 }
 
 fn fold(workgroups: u32) -> [u32; 2] {
-    let down = workgroups.div_ceil(MOST_WORKGROUPS).max(1);
+    let down = workgroups.div_ceil(MAX_WORKGROUPS).max(1);
     [workgroups.div_ceil(down), down]
 }
 
@@ -205,7 +202,7 @@ mod tests {
         for workgroups in [0, 1, 65_534, 65_535, 65_536, 131_071, 1_000_003, u32::MAX / 64] {
             let [across, down] = fold(workgroups);
             let covered = u64::from(across) * u64::from(down);
-            assert!(across <= MOST_WORKGROUPS && down <= MOST_WORKGROUPS);
+            assert!(across <= MAX_WORKGROUPS && down <= MAX_WORKGROUPS);
             assert!(covered >= u64::from(workgroups) && covered - u64::from(workgroups) < u64::from(down));
         }
     }

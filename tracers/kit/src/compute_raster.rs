@@ -18,7 +18,7 @@ const LANES: u32 = 64;
 
 /// `BLOCK_EDGE` there; a block's place has 10 bits along each axis.
 const BLOCK_EDGE: u32 = 32;
-const MOST_BLOCKS: u32 = 1024;
+const MAX_BLOCKS: u32 = 1024;
 
 /// Pixels of its rectangle up to which a lane draws a triangle by itself. Cores in software lose little by it; Mesa's driver ends the loops
 /// of eight lanes after 65,535 rounds in all, which eight such triangles and their rows stay far below.
@@ -36,10 +36,10 @@ const TRIANGLES: &str = "the scene's triangle count";
 
 choice! {
     /// What rasterizes triangles.
-    pub enum DrawnBy { Raster = "raster", Compute = "compute" }
+    pub enum RasterBackend { Raster = "raster", Compute = "compute" }
 }
 
-impl DrawnBy {
+impl RasterBackend {
     /// By how much a border between two corners that are snapped is off, at most, pixels.
     ///
     /// # Errors
@@ -71,10 +71,10 @@ impl DrawnBy {
 }
 
 /// The parameter `build`, the same for every tracer that rasterizes.
-pub fn build_parameter() -> Parameter<DrawnBy> {
+pub fn build_parameter() -> Parameter<RasterBackend> {
     let effect = "what rasterizes triangles: the device's own rasterizer, which on data-centre GPUs is a small part of the chip, or \
                   compute shaders, by a rule of coverage that is the same on every device";
-    Parameter::choice(ParameterScope::Build, DrawnBy::Raster).effect(effect)
+    Parameter::choice(ParameterScope::Build, RasterBackend::Raster).effect(effect)
 }
 
 /// An image that triangles are drawn into.
@@ -117,8 +117,8 @@ impl RasterImage {
 /// The pipelines that deal out triangles, each made when it is first needed.
 #[derive(Debug)]
 pub struct ComputeRaster {
-    find: PipelinesOnDemand<RasterSetup>,
-    deal: PipelinesOnDemand<RasterSetup>,
+    find: PipelinesOnDemand,
+    deal: PipelinesOnDemand,
     sums: OnDemand<(), Arc<PrefixSum>>,
     small_pixels: u32,
 }
@@ -164,11 +164,11 @@ impl ComputeRaster {
         triangle_count: u32,
     ) -> Result<RasterWork, TracerError> {
         let size = image.size();
-        let most = BLOCK_EDGE * MOST_BLOCKS;
+        let most = BLOCK_EDGE * MAX_BLOCKS;
         if let Some(edge) = size.into_iter().find(|edge| *edge > most) {
             return Err(TracerError::Failed(format!(
-                "an image that is rasterized in compute has an edge of {edge} pixels, and {most} are the most: turn down --frame or \
-                 --face, or choose build=raster"
+                "an image that is rasterized in compute has an edge of {edge} pixels, and {most} are the most: turn down --frame-size or \
+                 --face-size, or choose build=raster"
             )));
         }
         for (name, buffer) in [("vertex positions", &geometry.positions), ("vertex indices", &geometry.indices)] {
@@ -195,9 +195,9 @@ impl ComputeRaster {
         let groups = gpu.buffer(GROUPS, GROUP_BYTES, BufferUsages::STORAGE | BufferUsages::INDIRECT, "nothing")?;
         let variant = RasterSetup { axis };
         let (find, deal) = (self.find.of(gpu, variant)?, self.deal.of(gpu, variant)?);
-        let found = [&image, &pass, &geometry.positions, &geometry.indices, &work].map(Buffer::as_entire_binding);
+        let found = [&image, &geometry.positions, &geometry.indices, &pass, &work].map(Buffer::as_entire_binding);
         let found = bind_group(gpu, &find.get_bind_group_layout(0), &found);
-        let dealt = [(1, &pass), (4, &work), (5, &groups)].map(|(place, buffer)| (place, buffer.as_entire_binding()));
+        let dealt = [(3, &pass), (4, &work), (5, &groups)].map(|(place, buffer)| (place, buffer.as_entire_binding()));
         let dealt = bind_group_at(gpu, &deal.get_bind_group_layout(0), &dealt);
         let sums = self.sums.of((), || PrefixSum::new(gpu).map(Arc::new))?;
         let plan = sums.plan(gpu, &work, triangle_count + 1, None)?;

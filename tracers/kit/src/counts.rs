@@ -65,17 +65,17 @@ impl TraceCounts {
     /// For so many things of either kind, and the numbers of these names of every ray, in the order in which the shader has them.
     ///
     /// # Errors
-    /// [`TracerError::TooLarge`] if the device cannot hold or bind them; `turn_down` is the remedy named.
+    /// [`TracerError::TooLarge`] if the device cannot hold or bind them; `hint` is the remedy named.
     pub fn new(
         gpu: &Gpu,
         things: [u64; 2],
         names: &'static [&'static str],
         rays: usize,
-        turn_down: &str,
+        hint: &str,
     ) -> Result<Self, TracerError> {
         let bit_words = things.map(|count| count.div_ceil(32).max(1) as u32);
         let words = bit_words.map(u64::from).iter().sum::<u64>() + (rays.max(1) * names.len()) as u64;
-        Ok(Self { buffer: storage_buffer(gpu, "counts", words * 4, turn_down)?, bit_words, rays, names })
+        Ok(Self { buffer: storage_buffer(gpu, "counts", words * 4, hint)?, bit_words, rays, names })
     }
 
     /// The counters of rays, then under these names how many things of either kind were touched.

@@ -3,8 +3,8 @@
 /// Steps of the grid that corners lie on, to a pixel.
 pub const SUBPIXELS: i64 = 256;
 
-/// Whether a triangle on the grid (x to the right, y downwards) covers a pixel's centre: inside of all three edges, or on one that is a left
-/// or a level upper one (Vulkan, "Basic Polygon Rasterization"; Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH
+/// Whether a triangle on the grid (x to the right, y downwards) covers a pixel's centre: inside of all three edges, or on one that is a
+/// left or a level upper one (Vulkan, "Basic Polygon Rasterization"; Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH
 /// 1988).
 pub fn covers_centre(corners: [[i64; 2]; 3], pixel: [i64; 2]) -> bool {
     let [a, b, c] = corners;

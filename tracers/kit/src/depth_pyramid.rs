@@ -4,10 +4,10 @@ use tracebench_api::wgpu::{BindGroup, BindingResource, ComputePipeline};
 use tracebench_api::{Gpu, Ledger, PhaseClock, TracerError};
 use tracebench_shaders::shared::DepthPyramid as Variant;
 
-use crate::eye_depth::turn_down;
+use crate::eye_depth::hint;
 use crate::{
-    EyeDepthTarget, NO_SURFACE, Pyramid, ReadSlot, Readable, Reads, Room, bind_group, compute_pipeline,
-    dispatch_linear, record_copies, uniform_buffer,
+    EyeDepthTarget, GrowableBuffer, MemoryAccess, NO_SURFACE, Pyramid, ReadSlot, Readable, bind_group,
+    compute_pipeline, dispatch_linear, record_copies, uniform_buffer,
 };
 pub use tracebench_shaders::shared::PyramidLayout;
 pub(crate) use tracebench_shaders::shared::PyramidLevel;
@@ -201,7 +201,7 @@ impl PyramidBuilder {
 #[derive(Clone, Debug)]
 pub struct DepthPyramid {
     shape: PyramidShape,
-    room: Room,
+    room: GrowableBuffer,
     array: Readable,
 }
 
@@ -210,12 +210,12 @@ impl DepthPyramid {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] beyond the device's limits.
-    pub fn new(gpu: &Gpu, shape: PyramidShape, reads: Reads) -> Result<Self, TracerError> {
+    pub fn new(gpu: &Gpu, shape: PyramidShape, memory_access: MemoryAccess) -> Result<Self, TracerError> {
         // A frame of one pixel has no cells above it, and a buffer cannot be empty.
         let bytes = shape.cells().max(1) * shape.words() * 4;
-        let turn_down = turn_down(shape.images);
-        let room = Room::new(gpu, CELLS, bytes, turn_down, None)?;
-        let array = Readable::built(gpu, reads, shape.slot(), &room.buffer, bytes, COPY, None, turn_down)?;
+        let hint = hint(shape.images);
+        let room = GrowableBuffer::new(gpu, CELLS, bytes, hint, None)?;
+        let array = Readable::built(gpu, memory_access, shape.slot(), &room.buffer, bytes, COPY, None, hint)?;
         Ok(Self { shape, room, array })
     }
 
@@ -247,7 +247,7 @@ impl DepthPyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DrawnBy, LayerTarget, NearestLayers, NearestScene};
+    use crate::{LayerTarget, NearestLayers, NearestScene, RasterBackend};
     use tracebench_api::glam::DVec3;
     use tracebench_api::{AdapterChoice, Geometry, View};
 
@@ -321,12 +321,12 @@ mod tests {
         let triangles: Vec<[u32; 3]> = (0..40).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect();
         let geometry = Geometry::new(positions, triangles, Some(&gpu)).unwrap();
         let images = [
-            ([13, 5], DrawnBy::Raster),
-            ([64, 64], DrawnBy::Compute),
-            ([37, 1], DrawnBy::Compute),
-            ([1, 1], DrawnBy::Raster),
+            ([13, 5], RasterBackend::Raster),
+            ([64, 64], RasterBackend::Compute),
+            ([37, 1], RasterBackend::Compute),
+            ([1, 1], RasterBackend::Raster),
         ];
-        for (size, drawn_by) in images {
+        for (size, raster_backend) in images {
             let view = View {
                 eye: DVec3::ZERO,
                 right: DVec3::X,
@@ -340,7 +340,7 @@ mod tests {
             };
             let target = EyeDepthTarget::of_images(&gpu, size, 2).unwrap();
             let geometry = geometry.on_device().unwrap();
-            let scene = NearestScene { drawn_by, view: &view, geometry, triangle_count: 40 };
+            let scene = NearestScene { raster_backend, view: &view, geometry, triangle_count: 40 };
             let passed = [None, Some((&target.images[0], crate::behind(0.0)))];
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             for ((layer, image), passed) in (0..).zip(&target.images).zip(passed) {
@@ -352,11 +352,10 @@ mod tests {
             assert!(images[0].iter().zip(&images[1]).all(|(first, second)| first < second || *second == NO_SURFACE));
             let covered = images.each_ref().map(|image| image.iter().filter(|depth| **depth < NO_SURFACE).count());
             assert!(covered[0] > 0 && (covered[1] > 100 || size != [64, 64]), "{covered:?}");
-            for (depths, reads) in [CellDepths::Near, CellDepths::NearFar]
-                .into_iter()
-                .flat_map(|depths| [Reads::Buffer, Reads::Texture].map(|reads| (depths, reads)))
-            {
-                let pyramid = DepthPyramid::new(&gpu, shape(size, depths), reads).unwrap();
+            for (depths, memory_access) in [CellDepths::Near, CellDepths::NearFar].into_iter().flat_map(|depths| {
+                [MemoryAccess::Buffer, MemoryAccess::Texture].map(|memory_access| (depths, memory_access))
+            }) {
+                let pyramid = DepthPyramid::new(&gpu, shape(size, depths), memory_access).unwrap();
                 let mut clock = PhaseClock::new(Some(&gpu));
                 builder.record(&gpu, &target, &pyramid, &mut clock).unwrap();
                 clock.finish().unwrap();

@@ -5,19 +5,34 @@ use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
+    Counter, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, SampledImage, Structure,
     TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
 };
 
 /// What a build is given.
-#[derive(Clone, Copy)]
-pub struct BuildJob<'a> {
+pub struct BuildJob<'a, 'c, S> {
     /// The scene.
     pub geometry: &'a Geometry,
     /// Where it is seen from.
     pub viewpoint: &'a Viewpoint,
     /// The tracer's parameters.
     pub parameters: &'a Parameters,
+    /// The structure before, if there is one; it has the same parameters.
+    pub before: Option<&'a S>,
+    /// Where phases are marked.
+    pub clock: &'a mut PhaseClock<'c>,
+}
+
+/// What a search is given.
+pub struct SearchJob<'a, 'c, Counting> {
+    /// What is traced.
+    pub job: &'a TraceJob<'a>,
+    /// Where answers go.
+    pub hits: &'a HitBuffer,
+    /// What a variant that counts writes to; none where nothing is counted.
+    pub counting: Option<&'a Counting>,
+    /// Where phases are marked.
+    pub clock: &'a mut PhaseClock<'c>,
 }
 
 /// How a structure is searched.
@@ -29,13 +44,7 @@ pub trait Search {
     ///
     /// # Errors
     /// As [`Structure::trace`].
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Self::Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError>;
+    fn record(&self, search: SearchJob<'_, '_, Self::Counting>) -> Result<(), TracerError>;
 
     /// As [`Structure::trace_counted`].
     ///
@@ -44,30 +53,28 @@ pub trait Search {
     fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError>;
 }
 
-/// A structure on the device that is built anew in the memory of the one before. What is not told here is as in [`Structure`].
-pub trait DeviceStructure: Search + Sized + 'static {
-    /// What is made once for all structures of a tracer.
-    type Pipelines;
-
-    /// Why there is no refit, where there is none.
-    const NO_REFIT: &'static str = "";
-
+/// What is made once for all structures of a tracer.
+pub trait DevicePipelines: Sized {
     /// Makes the pipelines, or those that every structure needs.
     ///
     /// # Errors
     /// [`TracerError::Unavailable`] if the device forbids it, [`TracerError::Failed`] if it refuses one.
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Self::Pipelines, TracerError>;
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError>;
+}
 
-    /// Builds, in the memory of the structure before, which has the same parameters, where there is one and its memory serves.
+/// A structure on the device that is built anew in the memory of the one before. What is not told here is as in [`Structure`].
+pub trait DeviceStructure: Search + Sized + 'static {
+    /// What is made once for all structures of a tracer.
+    type Pipelines: DevicePipelines;
+
+    /// Why there is no refit, where there is none.
+    const NO_REFIT: &'static str = "";
+
+    /// Builds, in the memory of the structure before where there is one and its memory serves.
     ///
     /// # Errors
     /// As [`Tracer::build`].
-    fn build(
-        pipelines: &Arc<Self::Pipelines>,
-        job: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError>;
+    fn build(pipelines: &Arc<Self::Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError>;
 
     /// Fits the structure to moved vertices of the same triangles.
     ///
@@ -77,11 +84,11 @@ pub trait DeviceStructure: Search + Sized + 'static {
         Err(TracerError::Unsupported(Self::NO_REFIT.to_owned()))
     }
 
-    /// As [`Structure::make_room`].
+    /// As [`Structure::grow_on_overflow`].
     ///
     /// # Errors
-    /// As [`Structure::make_room`].
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    /// As [`Structure::grow_on_overflow`].
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         Ok(false)
     }
 
@@ -98,7 +105,7 @@ pub trait DeviceStructure: Search + Sized + 'static {
     ///
     /// # Errors
     /// As [`Structure::samplings`].
-    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         Ok(Vec::new())
     }
 
@@ -128,12 +135,8 @@ impl<S: DeviceStructure> Built<S> {
     ///
     /// # Errors
     /// As [`Tracer::build`].
-    pub fn new(
-        pipelines: &Arc<S::Pipelines>,
-        job: BuildJob<'_>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
-        Ok(Self { structure: S::build(pipelines, job, None, clock)?, pipelines: Arc::clone(pipelines) })
+    pub fn new(pipelines: &Arc<S::Pipelines>, job: BuildJob<'_, '_, S>) -> Result<Self, TracerError> {
+        Ok(Self { structure: S::build(pipelines, job)?, pipelines: Arc::clone(pipelines) })
     }
 }
 
@@ -160,21 +163,24 @@ impl<S: DeviceStructure> Structure for Built<S> {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
         match update {
-            Update::Rebuild => self.structure = S::build(&self.pipelines, job, Some(&self.structure), clock)?,
+            Update::Rebuild => {
+                let before = Some(&self.structure);
+                self.structure =
+                    S::build(&self.pipelines, BuildJob { geometry, viewpoint, parameters, before, clock })?;
+            }
             Update::Refit => self.structure.refit(geometry, clock)?,
             Update::Reuse => {}
         }
         Ok(())
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
-        self.structure.make_room()
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
+        self.structure.grow_on_overflow()
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.structure.record(&job, hits, None, clock)
+        self.structure.record(SearchJob { job: &job, hits, counting: None, clock })
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
@@ -189,7 +195,7 @@ impl<S: DeviceStructure> Structure for Built<S> {
         self.structure.trace_memory(&job)
     }
 
-    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         self.structure.samplings(parameters)
     }
 
@@ -211,9 +217,9 @@ impl<S: DeviceStructure> DeviceTracer<S> {
     /// Makes the pipelines, or those that every structure needs.
     ///
     /// # Errors
-    /// As [`DeviceStructure::pipelines`].
+    /// As [`DevicePipelines::new`].
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(S::pipelines(gpu)?) })
+        Ok(Self { pipelines: Arc::new(S::Pipelines::new(gpu)?) })
     }
 
     /// As [`Tracer::build`].
@@ -227,7 +233,7 @@ impl<S: DeviceStructure> DeviceTracer<S> {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Built<S>, TracerError> {
-        Built::new(&self.pipelines, BuildJob { geometry, viewpoint, parameters }, clock)
+        Built::new(&self.pipelines, BuildJob { geometry, viewpoint, parameters, before: None, clock })
     }
 }
 

@@ -6,7 +6,7 @@ use tracebench_api::wgpu::{
 use tracebench_api::{Gpu, Ledger, TracerError};
 use tracebench_shaders::Shader;
 
-use crate::{RasterTargets, create_texture, raster_pipeline, shader_module};
+use crate::{RasterTargets, create_texture, raster_pipeline};
 
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
@@ -39,10 +39,9 @@ impl EmptyTarget {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn pipeline(gpu: &Gpu, shader: impl Into<Shader>) -> Result<RenderPipeline, TracerError> {
-        let shader = shader.into();
         let nothing = ColorTargetState { format: FORMAT, blend: None, write_mask: ColorWrites::empty() };
         let targets = RasterTargets { colours: &[Some(nothing)], ..Default::default() };
-        raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)
+        raster_pipeline(gpu, shader, &targets)
     }
 
     /// Records a pass that draws so many vertices.

@@ -7,7 +7,7 @@ use tracebench_api::wgpu::{
 use tracebench_api::{Gpu, Ledger, TracerError};
 
 use crate::texture::{create_texture, create_texture_array, views_of};
-use crate::{ReadSlot, Readable, Reads, Room};
+use crate::{GrowableBuffer, MemoryAccess, ReadSlot, Readable};
 
 /// The eye depth stored where no surface covers a pixel's centre: beyond every surface.
 pub const NO_SURFACE: f32 = 1e30;
@@ -53,7 +53,7 @@ impl EyeDepthTarget {
         let limit = gpu.limits.max_texture_dimension_2d;
         if let Some(edge) = size.into_iter().find(|edge| *edge > limit) {
             return Err(TracerError::Failed(format!(
-                "the eye depth buffer has an edge of {edge} pixels, the device allows {limit}: turn down --frame"
+                "the eye depth buffer has an edge of {edge} pixels, the device allows {limit}: turn down --frame-size"
             )));
         }
         let before = gpu.allocations();
@@ -106,7 +106,7 @@ impl EyeDepthTarget {
         let row_bytes = row_bytes(width);
         let bytes = u64::from(row_bytes) * u64::from(height);
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let staging = gpu.buffer("eye depth read back", bytes, usage, "--frame")?;
+        let staging = gpu.buffer("eye depth read back", bytes, usage, "--frame-size")?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let origin = wgpu::Origin3d { z: image, ..Default::default() };
         encoder.copy_texture_to_buffer(
@@ -125,8 +125,8 @@ impl EyeDepthTarget {
 }
 
 /// What to turn down where so many images are too large for a device.
-pub(crate) fn turn_down(images: u32) -> &'static str {
-    if images > 1 { "--frame, or the number of layers" } else { "--frame" }
+pub(crate) fn hint(images: u32) -> &'static str {
+    if images > 1 { "--frame-size, or the number of layers" } else { "--frame-size" }
 }
 
 /// Bytes of a row of a copy.
@@ -138,7 +138,7 @@ fn row_bytes(width: u32) -> u32 {
 /// textures read the images themselves.
 #[derive(Clone, Debug)]
 pub struct DepthCopy {
-    room: Room,
+    room: GrowableBuffer,
     array: Readable,
     row_bytes: u32,
     rows: u32,
@@ -152,10 +152,10 @@ impl DepthCopy {
     pub fn new(gpu: &Gpu, [width, height]: [u32; 2], images: u32) -> Result<Self, TracerError> {
         let row_bytes = row_bytes(width);
         let bytes = u64::from(row_bytes) * u64::from(height) * u64::from(images);
-        let turn_down = turn_down(images);
-        let room = Room::new(gpu, DEPTH_COPY, bytes, turn_down, None)?;
+        let hint = hint(images);
+        let room = GrowableBuffer::new(gpu, DEPTH_COPY, bytes, hint, None)?;
         let array =
-            Readable::built(gpu, Reads::Buffer, ReadSlot::Words0, &room.buffer, bytes, DEPTH_COPY, None, turn_down)?;
+            Readable::built(gpu, MemoryAccess::Buffer, ReadSlot::Words0, &room.buffer, bytes, DEPTH_COPY, None, hint)?;
         Ok(Self { room, array, row_bytes, rows: height })
     }
 

@@ -2,9 +2,9 @@
 
 use tracebench_api::wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline};
 use tracebench_api::{Gpu, Parameter, ParameterScope, PhaseClock, TracerError};
-use tracebench_shaders::Variant;
+use tracebench_shaders::Shader;
 
-use crate::{OnDemand, compute_pipeline, dispatch_linear_groups};
+use crate::{PipelinesOnDemand, dispatch_linear_groups};
 
 /// Lanes of a workgroup: `WORKGROUP_SIZE` of shaders/shared/lanes.wgsl.
 pub const LANES_OF_WORKGROUP: u32 = 64;
@@ -17,12 +17,12 @@ pub fn rays_per_lane_parameter() -> Parameter<u32> {
 }
 
 /// Rounds after which Mesa's software driver ends the loops of eight lanes together, in all.
-const MOST_ROUNDS: u64 = 65_535;
+const MAX_ROUNDS: u64 = 65_535;
 
 /// Rays that a lane answers of those asked for, where a ray takes no more than so many rounds of loops: no more than every driver gets
 /// through, and one at least.
-pub fn rays_within_rounds(asked: u32, most_rounds_of_ray: u64) -> u32 {
-    u64::from(asked).min(MOST_ROUNDS / most_rounds_of_ray.max(1)).max(1) as u32
+pub fn rays_within_rounds(asked: u32, max_rounds_of_ray: u64) -> u32 {
+    u64::from(asked).min(MAX_ROUNDS / max_rounds_of_ray.max(1)).max(1) as u32
 }
 
 /// Records a dispatch that answers so many rays.
@@ -51,94 +51,82 @@ pub fn dispatch_indirect(
     pass.dispatch_workgroups_indirect(workgroups, 0);
 }
 
-/// Entry points of a search that drivers may cut off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SearchEntry {
-    /// A ray a lane.
-    OneRay,
-    /// Several rays a lane. Drivers that count a lane's loops leave some unanswered.
-    InTurns,
-    /// Those that are, a ray a lane.
-    Unanswered,
-}
-
-/// Pipelines of a search that has every [`SearchEntry`]: each is made when it is first asked for.
+/// Pipelines of a search that drivers may cut off (shaders/shared/lanes.wgsl): its entry points `trace`, whose lanes leave rays without an
+/// answer, and `trace_unanswered`. Each is made when it is first asked for.
 #[derive(Debug)]
-pub struct SearchPipelines<V>(OnDemand<(V, SearchEntry), ComputePipeline>);
+pub struct SearchPipelines {
+    first: PipelinesOnDemand,
+    unanswered: PipelinesOnDemand,
+}
 
-impl<V> Default for SearchPipelines<V> {
+/// Which rays the first dispatch of a search leaves.
+#[derive(Clone, Copy, Debug)]
+pub enum Left<'a> {
+    /// Those that a driver cut off, where lanes answer several.
+    CutOff,
+    /// Others, too.
+    Any,
+    /// Others, too; it tells in three words how many workgroups are to answer them.
+    Told(&'a Buffer),
+}
+
+/// What a search is to answer.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchedRays<'a> {
+    /// How many.
+    pub count: u32,
+    /// Rays that a lane answers.
+    pub per_lane: u32,
+    /// Where their hits go.
+    pub hits: &'a Buffer,
+    /// Which the first dispatch leaves.
+    pub left: Left<'a>,
+}
+
+impl Default for SearchPipelines {
     fn default() -> Self {
-        Self(OnDemand::default())
+        Self { first: PipelinesOnDemand::new("trace"), unanswered: PipelinesOnDemand::new("trace_unanswered") }
     }
 }
 
-impl<V: Variant> SearchPipelines<V> {
-    /// That of a variant and an entry point.
+impl SearchPipelines {
+    /// Records the phase "trace", which answers every ray; `bind` gives what a pipeline binds, and is told whether it is the first.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
-    pub fn of(&self, gpu: &Gpu, variant: V, entry: SearchEntry) -> Result<ComputePipeline, TracerError> {
-        let entry_point = match entry {
-            SearchEntry::OneRay => "trace",
-            SearchEntry::InTurns => "trace_in_turns",
-            SearchEntry::Unanswered => "trace_unanswered",
-        };
-        self.0.of((variant, entry), || compute_pipeline(gpu, variant, entry_point))
-    }
-
-    /// The searches that answer every ray, with what `bind` binds to each.
-    ///
-    /// # Errors
-    /// As [`SearchPipelines::of`].
-    pub fn searches(
+    /// [`TracerError::Unavailable`] if the device's limits forbid a pipeline, [`TracerError::Failed`] if it refuses one.
+    pub fn record(
         &self,
         gpu: &Gpu,
-        variant: V,
-        rays_per_lane: u32,
-        bind: impl Fn(&ComputePipeline) -> Vec<BindGroup>,
-    ) -> Result<Vec<Launch>, TracerError> {
-        let entries = match rays_per_lane {
-            1 => vec![(SearchEntry::OneRay, 1)],
-            many => vec![(SearchEntry::InTurns, many), (SearchEntry::Unanswered, 1)],
+        variant: impl Into<Shader>,
+        rays: SearchedRays<'_>,
+        bind: impl Fn(&ComputePipeline, bool) -> Vec<BindGroup>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let SearchedRays { count, per_lane, hits, left } = rays;
+        let shader = variant.into();
+        let bound = |pipelines: &PipelinesOnDemand, is_first: bool| -> Result<_, TracerError> {
+            let pipeline = pipelines.of(gpu, shader)?;
+            let groups = bind(&pipeline, is_first);
+            Ok((pipeline, groups))
         };
-        let search = |(entry, rays_per_lane)| {
-            let pipeline = self.of(gpu, variant, entry)?;
-            Ok(Launch { groups: bind(&pipeline), pipeline, rays_per_lane })
-        };
-        entries.into_iter().map(search).collect()
+        let (first, first_groups) = bound(&self.first, true)?;
+        let leaves = per_lane > 1 || !matches!(left, Left::CutOff);
+        let second = leaves.then(|| bound(&self.unanswered, false)).transpose()?;
+        clock.device_phase("trace", |encoder| {
+            if second.is_some() {
+                // No status is 0.
+                encoder.clear_buffer(hits, 0, None);
+            }
+            dispatch_rays(encoder, &first, &first_groups.iter().collect::<Vec<_>>(), count, per_lane);
+            if let Some((second, groups)) = &second {
+                let groups: Vec<_> = groups.iter().collect();
+                match left {
+                    Left::Told(workgroups) => dispatch_indirect(encoder, second, &groups, workgroups),
+                    Left::CutOff | Left::Any => dispatch_rays(encoder, second, &groups, count, 1),
+                }
+            }
+        })
     }
-}
-
-/// A search with what it binds, group by group, and how many rays a lane of it answers.
-pub struct Launch {
-    /// The search.
-    pub pipeline: ComputePipeline,
-    /// What it binds.
-    pub groups: Vec<BindGroup>,
-    /// Rays that a lane answers.
-    pub rays_per_lane: u32,
-}
-
-/// Records the phase "trace": a search and, where there are more, those that answer which rays it has left.
-///
-/// # Errors
-/// As [`PhaseClock::device_phase`].
-pub fn record_searches(
-    searches: &[Launch],
-    ray_count: u32,
-    hits: &Buffer,
-    clock: &mut PhaseClock<'_>,
-) -> Result<(), TracerError> {
-    clock.device_phase("trace", |encoder| {
-        if searches.len() > 1 {
-            // No status is 0.
-            encoder.clear_buffer(hits, 0, None);
-        }
-        for Launch { pipeline, groups, rays_per_lane } in searches {
-            let groups: Vec<&BindGroup> = groups.iter().collect();
-            dispatch_rays(encoder, pipeline, &groups, ray_count, *rays_per_lane);
-        }
-    })
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ const IMAGE: &str = "drawn image";
 const CODES: &str = "nearest depths in words";
 const NAMES: &str = "nearest triangles in words";
 const RESOLVED: &str = "resolved image";
-const TURN_DOWN: &str = "--frame";
+const HINT: &str = "--frame-size";
 
 /// What is drawn of the nearest triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum NearestOf {
 #[derive(Debug)]
 pub(crate) struct NearestCompute {
     raster: ComputeRaster,
-    draw: PipelinesOnDemand<Variant>,
+    draw: PipelinesOnDemand,
     resolve: OnDemand<(), ComputePipeline>,
 }
 
@@ -84,9 +84,9 @@ impl NearestCompute {
         let work = self.raster.prepare(gpu, RasterImage::of_view(view), geometry, triangle_count)?;
         let primitives = what == NearestOf::Primitives;
         let words = image_words(view.size);
-        let mut kept = vec![storage_buffer(gpu, CODES, u64::from(words) * 4, TURN_DOWN)?];
+        let mut kept = vec![storage_buffer(gpu, CODES, u64::from(words) * 4, HINT)?];
         if primitives {
-            kept.push(storage_buffer(gpu, NAMES, u64::from(words) * 4, TURN_DOWN)?);
+            kept.push(storage_buffer(gpu, NAMES, u64::from(words) * 4, HINT)?);
         }
         let uniform = uniform_buffer(gpu, NearestRaster::UNIFORM.0, &view_uniform(view))?;
         let passing = passed.map(|(_, passing)| uniform_buffer(gpu, NearestRaster::PASSING_UNIFORM.0, &passing));

@@ -10,7 +10,7 @@ use crate::eye_depth::{DEPTH_FORMAT, NO_SURFACE};
 use crate::nearest_compute::{ComputedPass, NearestCompute};
 use crate::nearest_raster::{NearestRaster, Passing};
 use crate::primitive_texture::PRIMITIVE_FORMAT;
-use crate::{DrawnBy, NearestOf, OnDemand};
+use crate::{NearestOf, OnDemand, RasterBackend};
 
 /// The pipelines; what lies behind a layer, and what is drawn in compute, has them when it is first drawn.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub struct NearestLayers {
 #[derive(Clone, Copy, Debug)]
 pub struct NearestScene<'a> {
     /// What draws.
-    pub drawn_by: DrawnBy,
+    pub raster_backend: RasterBackend,
     /// The view.
     pub view: &'a View,
     /// The scene.
@@ -92,16 +92,16 @@ impl NearestLayers {
         scene: NearestScene<'_>,
         passed: Option<(&TextureView, Passing)>,
     ) -> Result<NearestPass, TracerError> {
-        let NearestScene { drawn_by, view, geometry, triangle_count } = scene;
-        Ok(NearestPass(match (drawn_by, passed) {
-            (DrawnBy::Compute, _) => {
+        let NearestScene { raster_backend, view, geometry, triangle_count } = scene;
+        Ok(NearestPass(match (raster_backend, passed) {
+            (RasterBackend::Compute, _) => {
                 let pass = self.compute.prepare(gpu, self.what, view, geometry, triangle_count, passed)?;
                 Pass::Computed(Box::new(pass))
             }
-            (DrawnBy::Raster, None) => {
+            (RasterBackend::Raster, None) => {
                 Pass::First { bindings: self.nearest.bind(gpu, view, geometry, None)?, triangle_count }
             }
-            (DrawnBy::Raster, Some(_)) => {
+            (RasterBackend::Raster, Some(_)) => {
                 let raster = self.behind.of((), || raster(gpu, self.what, true).map(Arc::new))?;
                 Pass::Raster { bindings: raster.bind(gpu, view, geometry, passed)?, raster, triangle_count }
             }
@@ -129,14 +129,14 @@ impl NearestLayers {
     /// What so many layers take while they are drawn, beside their textures.
     pub fn memory(
         what: NearestOf,
-        drawn_by: DrawnBy,
+        raster_backend: RasterBackend,
         size: [u32; 2],
         triangle_count: u32,
         layers: u32,
     ) -> Vec<MemoryEntry> {
-        let layer = |number: u32| match drawn_by {
-            DrawnBy::Compute => NearestCompute::memory(what, size, triangle_count, number > 0),
-            DrawnBy::Raster => {
+        let layer = |number: u32| match raster_backend {
+            RasterBackend::Compute => NearestCompute::memory(what, size, triangle_count, number > 0),
+            RasterBackend::Raster => {
                 let parts = std::iter::once(NearestRaster::UNIFORM)
                     .chain((number > 0).then_some(NearestRaster::PASSING_UNIFORM));
                 parts.map(|(name, bytes)| MemoryEntry::whole(name, bytes)).collect()

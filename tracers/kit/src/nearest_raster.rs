@@ -4,7 +4,7 @@ use tracebench_api::wgpu::{self, BindGroup, BindingResource, Buffer, RenderPipel
 use tracebench_api::{DeviceGeometry, Gpu, TracerError, View};
 use tracebench_shaders::shared::NearestRaster as Variant;
 
-use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module, uniform_buffer, view_uniform};
+use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, uniform_buffer, view_uniform};
 pub use tracebench_shaders::shared::Passing;
 
 /// What depth is tested in.
@@ -35,14 +35,13 @@ impl NearestRaster {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
     pub(crate) fn new(gpu: &Gpu, variant: Variant, format: TextureFormat) -> Result<Self, TracerError> {
-        let shader = tracebench_shaders::Shader::from(variant);
         let targets = RasterTargets {
             colours: &[Some(format.into())],
             // Reversed depth: near is 1, far is 0. Of equal depths the first triangle drawn stays.
             depth: Some((DEPTH_TEST_FORMAT, true, wgpu::CompareFunction::Greater)),
             ..Default::default()
         };
-        Ok(Self { pipeline: raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)? })
+        Ok(Self { pipeline: raster_pipeline(gpu, variant, &targets)? })
     }
 
     /// Name and bytes of what drawing takes while it runs, beside its targets.

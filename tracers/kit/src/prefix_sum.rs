@@ -4,7 +4,7 @@ use tracebench_api::wgpu::{self, Buffer, BufferUsages, CommandEncoder, ComputePi
 use tracebench_api::{Gpu, Ledger, MemoryEntry, TracerError};
 use tracebench_shaders::shared::PREFIX_SUM;
 
-use crate::{Room, bind_group, compute_pipeline, dispatch_linear};
+use crate::{GrowableBuffer, bind_group, compute_pipeline, dispatch_linear};
 
 /// `LANES` of shaders/shared/prefix_sum.wgsl.
 const LANES: u32 = 256;
@@ -34,7 +34,7 @@ pub struct PrefixSumPlan {
     /// The elements first, then the sums of blocks, of blocks of blocks, ..., up to a single block.
     levels: Vec<Level>,
     /// Sums of blocks, by level.
-    rooms: Vec<Room>,
+    buffers: Vec<GrowableBuffer>,
     counts: Vec<Buffer>,
 }
 
@@ -90,19 +90,19 @@ impl PrefixSum {
         there: Option<&PrefixSumPlan>,
     ) -> Result<PrefixSumPlan, TracerError> {
         let number = number.min(NAMES.len() - 1);
-        let mut there = there.into_iter().flat_map(|there| &there.rooms);
-        let (mut levels, mut rooms, mut counts): (Vec<Level>, Vec<Room>, Vec<Buffer>) = Default::default();
+        let mut there = there.into_iter().flat_map(|there| &there.buffers);
+        let (mut levels, mut buffers, mut counts): (Vec<Level>, Vec<GrowableBuffer>, Vec<Buffer>) = Default::default();
         let mut count = count;
         loop {
             let blocks = count.div_ceil(BLOCK).max(1);
-            let room = Room::new(
+            let room = GrowableBuffer::new(
                 gpu,
-                NAMES[number][rooms.len().min(2)],
+                NAMES[number][buffers.len().min(2)],
                 u64::from(blocks) * 4,
                 "the number of elements",
                 there.next(),
             )?;
-            let elements = rooms.last().map_or(values, |room| &room.buffer);
+            let elements = buffers.last().map_or(values, |room| &room.buffer);
             let uniform = gpu.buffer_with(
                 &count_name(number, levels.len()),
                 &count.to_le_bytes(),
@@ -114,10 +114,10 @@ impl PrefixSum {
                 bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
             };
             levels.push(Level { count, reduce: bind(&self.reduce), scan: bind(&self.scan) });
-            rooms.push(room);
+            buffers.push(room);
             counts.push(uniform);
             if blocks == 1 {
-                return Ok(PrefixSumPlan { number, levels, rooms, counts });
+                return Ok(PrefixSumPlan { number, levels, buffers, counts });
             }
             count = blocks;
         }
@@ -142,7 +142,7 @@ impl PrefixSum {
     pub fn record(&self, encoder: &mut CommandEncoder, plan: &PrefixSumPlan) {
         let Some((top, below)) = plan.levels.split_last() else { return };
         // Before the first and only block of the top there is nothing.
-        if let Some(room) = plan.rooms.last() {
+        if let Some(room) = plan.buffers.last() {
             encoder.clear_buffer(&room.buffer, 0, None);
         }
         let lanes = |level: &Level| level.count.div_ceil(BLOCK) * LANES;
@@ -158,7 +158,7 @@ impl PrefixSum {
 impl PrefixSumPlan {
     /// Enters the buffers beside the elements.
     pub fn enter(&self, ledger: &mut Ledger) {
-        self.rooms.iter().for_each(|room| room.enter(ledger));
+        self.buffers.iter().for_each(|room| room.enter(ledger));
         for (level, count) in self.counts.iter().enumerate() {
             ledger.keep(&count_name(self.number, level), count.size(), count.size());
         }

@@ -1,7 +1,7 @@
 //! Pyramids over images, as in shaders/shared/pyramid.wgsl.
 
 /// Levels that a pyramid has at most: images up to 32,768 pixels along an edge.
-pub const MOST_LEVELS: usize = 16;
+pub const MAX_LEVELS: usize = 16;
 
 /// The levels over an image, its pixels being the first: a cell stands for the four below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +14,7 @@ impl Pyramid {
     /// Levels, down from a single cell.
     pub fn levels(&self) -> usize {
         let edge = self.size[0].max(self.size[1]).max(1);
-        (edge.next_power_of_two().trailing_zeros() as usize + 1).min(MOST_LEVELS)
+        (edge.next_power_of_two().trailing_zeros() as usize + 1).min(MAX_LEVELS)
     }
 
     /// Cells of a level along x and y.
@@ -29,8 +29,8 @@ impl Pyramid {
 
     /// Where the levels from `first` on begin in a buffer that has them one after the other from `begin` on (0 for levels
     /// that there are not), and where the last ends.
-    pub fn offsets(&self, first: usize, begin: u64) -> ([u32; MOST_LEVELS], u64) {
-        let mut offsets = [0; MOST_LEVELS];
+    pub fn offsets(&self, first: usize, begin: u64) -> ([u32; MAX_LEVELS], u64) {
+        let mut offsets = [0; MAX_LEVELS];
         let mut end = begin;
         for (level, offset) in offsets.iter_mut().enumerate().take(self.levels()).skip(first) {
             *offset = end as u32;

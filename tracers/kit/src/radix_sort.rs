@@ -4,7 +4,7 @@ use tracebench_api::wgpu::{self, Buffer, BufferUsages, CommandEncoder, ComputePi
 use tracebench_api::{Gpu, Ledger, TracerError};
 use tracebench_shaders::shared::RADIX_SORT;
 
-use crate::{PrefixSum, PrefixSumPlan, Room, bind_group, compute_pipeline, dispatch_linear};
+use crate::{GrowableBuffer, PrefixSum, PrefixSumPlan, bind_group, compute_pipeline, dispatch_linear};
 pub use tracebench_shaders::shared::SortPass;
 
 /// `LANES` of shaders/shared/radix_sort.wgsl.
@@ -33,7 +33,7 @@ pub struct RadixSortPlan {
     passes: Vec<Pass>,
     sums: PrefixSumPlan,
     /// Keys and payloads after an odd number of passes, and the table of digits.
-    rooms: [Room; 3],
+    buffers: [GrowableBuffer; 3],
 }
 
 #[derive(Clone, Debug)]
@@ -77,17 +77,17 @@ impl RadixSort {
             return Err(TracerError::Failed(format!("keys of {key_bits} bits: a key has 32")));
         }
         let [there_keys, there_payloads, there_table] =
-            there.map_or([None; 3], |there| there.rooms.each_ref().map(Some));
+            there.map_or([None; 3], |there| there.buffers.each_ref().map(Some));
         let blocks = count.div_ceil(BLOCK);
-        let turn_down = "the number of keys";
+        let hint = "the number of keys";
         let bytes = u64::from(count) * 4;
         let table_count = blocks << DIGIT_BITS;
-        let rooms = [
-            Room::new(gpu, "sort: other keys", bytes, turn_down, there_keys)?,
-            Room::new(gpu, "sort: other payloads", bytes, turn_down, there_payloads)?,
-            Room::new(gpu, "sort: table of digits", u64::from(table_count) * 4, turn_down, there_table)?,
+        let buffers = [
+            GrowableBuffer::new(gpu, "sort: other keys", bytes, hint, there_keys)?,
+            GrowableBuffer::new(gpu, "sort: other payloads", bytes, hint, there_payloads)?,
+            GrowableBuffer::new(gpu, "sort: table of digits", u64::from(table_count) * 4, hint, there_table)?,
         ];
-        let [other_keys, other_payloads, table] = rooms.each_ref().map(|room| &room.buffer);
+        let [other_keys, other_payloads, table] = buffers.each_ref().map(|room| &room.buffer);
         // An even number of passes ends where it began.
         let needed = key_bits.div_ceil(DIGIT_BITS);
         let pass = |index: u32| -> Result<Pass, TracerError> {
@@ -111,7 +111,7 @@ impl RadixSort {
         };
         let passes = (0..needed.next_multiple_of(2)).map(pass).collect::<Result<_, _>>()?;
         let sums = self.prefix_sum.plan(gpu, table, table_count, there.map(|there| &there.sums))?;
-        Ok(RadixSortPlan { blocks, passes, sums, rooms })
+        Ok(RadixSortPlan { blocks, passes, sums, buffers })
     }
 
     /// Records a plan.
@@ -128,7 +128,7 @@ impl RadixSort {
 impl RadixSortPlan {
     /// Enters the buffers beside keys and payloads.
     pub fn enter(&self, ledger: &mut Ledger) {
-        self.rooms.iter().for_each(|room| room.enter(ledger));
+        self.buffers.iter().for_each(|room| room.enter(ledger));
         for (index, pass) in self.passes.iter().enumerate() {
             ledger.keep(&pass_name(index), pass.uniform_bytes, pass.uniform_bytes);
         }

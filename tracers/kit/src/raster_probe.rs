@@ -9,7 +9,7 @@ use tracebench_api::wgpu::{self, BufferUsages, RenderPipeline, TextureFormat, Te
 use tracebench_api::{Gpu, Rasterizer, TracerError};
 use tracebench_shaders::shared::RASTER_PROBE;
 
-use crate::{RasterTargets, create_texture, raster_pipeline, shader_module};
+use crate::{RasterTargets, create_texture, raster_pipeline};
 
 const FORMAT: TextureFormat = TextureFormat::R32Float;
 
@@ -87,7 +87,7 @@ fn offset(line: u32) -> f64 {
 }
 
 /// By how much borders are off at most, by the lines' decisions whether a first and a second border's pixel is covered.
-fn greatest_snap(covered: impl Fn(u32) -> [bool; 2]) -> f64 {
+fn max_snap(covered: impl Fn(u32) -> [bool; 2]) -> f64 {
     let step = 2.0 * REACH_PIXELS / f64::from(BORDERS);
     let wrong = (0..BORDERS).filter(|line| {
         let off = offset(*line);
@@ -105,8 +105,7 @@ impl<'a> Prober<'a> {
         };
         let targets =
             RasterTargets { vertex_buffers: &[Some(corners)], colours: &[Some(FORMAT.into())], ..Default::default() };
-        let module = shader_module(gpu, RASTER_PROBE)?;
-        Ok(Self { gpu, pipeline: raster_pipeline(gpu, RASTER_PROBE.name, &module, &targets)? })
+        Ok(Self { gpu, pipeline: raster_pipeline(gpu, RASTER_PROBE, &targets)? })
     }
 
     /// Draws triangles; each square of the image has three corners of its own, and where there is one square they have it all.
@@ -189,7 +188,7 @@ impl<'a> Prober<'a> {
                 drawn.at(x, y) != NOTHING
             })
         };
-        Ok(greatest_snap(covered))
+        Ok(max_snap(covered))
     }
 
     /// By how much depths are off beside what snapping explains, of triangles in the view and of those that reach out of it; and how far
@@ -289,7 +288,7 @@ mod tests {
     #[test]
     fn snapping_is_found() {
         let snapped = |grid: f64, round: fn(f64) -> f64| {
-            greatest_snap(|line| {
+            max_snap(|line| {
                 let off = round(offset(line) / grid) * grid;
                 [off <= 0.0, off > 0.0]
             })

@@ -14,11 +14,11 @@ impl TouchedBits {
     /// A bit for each of `count` things.
     ///
     /// # Errors
-    /// [`TracerError::TooLarge`] if the device cannot hold or bind them; `turn_down` is the remedy named.
-    pub fn new(gpu: &Gpu, name: &'static str, count: u64, turn_down: &str) -> Result<Self, TracerError> {
+    /// [`TracerError::TooLarge`] if the device cannot hold or bind them; `hint` is the remedy named.
+    pub fn new(gpu: &Gpu, name: &'static str, count: u64, hint: &str) -> Result<Self, TracerError> {
         let bytes = count.div_ceil(32).max(1) * 4;
-        gpu.check_storage_binding(name, bytes, turn_down)?;
-        let bits = gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, turn_down)?;
+        gpu.check_storage_binding(name, bytes, hint)?;
+        let bits = gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, hint)?;
         Ok(Self { bits, bytes })
     }
 

@@ -2,17 +2,18 @@
 
 use tracebench_api::wgpu::{BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline};
 use tracebench_api::{DeviceGeometry, Gpu, PhaseClock, TracerError};
-use tracebench_shaders::Variant;
+use tracebench_shaders::{Shader, ShaderKey};
 
 use crate::compute_raster::DealtPass;
-use crate::{ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, bind_group_at};
+use crate::{
+    ComputeRaster, EmptyTarget, OnDemand, PipelinesOnDemand, RasterBackend, RasterImage, RasterWork, bind_group_at,
+};
 
-/// Pipelines of a shader with two kinds of variants, by their entry points: for the rasterizer, and in compute (`draw`). Each is made when
-/// it is first needed.
+/// Pipelines of a shader for the rasterizer, and in compute (its entry point `draw`). Each is made when it is first needed.
 #[derive(Debug)]
-pub struct TrianglePipelines<V> {
-    raster: OnDemand<V, RenderPipeline>,
-    compute: PipelinesOnDemand<V>,
+pub struct TrianglePipelines {
+    raster: OnDemand<ShaderKey, RenderPipeline>,
+    compute: PipelinesOnDemand,
 }
 
 /// What a pass draws into.
@@ -54,7 +55,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-impl<V: Variant> TrianglePipelines<V> {
+impl TrianglePipelines {
     /// None yet.
     pub fn new() -> Self {
         Self { raster: OnDemand::default(), compute: PipelinesOnDemand::new("draw") }
@@ -64,18 +65,19 @@ impl<V: Variant> TrianglePipelines<V> {
     ///
     /// # Errors
     /// As [`EmptyTarget::pipeline`].
-    pub fn raster(&self, gpu: &Gpu, variant: V) -> Result<RenderPipeline, TracerError> {
-        self.raster.of(variant, || EmptyTarget::pipeline(gpu, variant))
+    pub fn raster(&self, gpu: &Gpu, variant: impl Into<Shader>) -> Result<RenderPipeline, TracerError> {
+        let shader = variant.into();
+        self.raster.of(shader.key(), || EmptyTarget::pipeline(gpu, shader))
     }
 
-    /// A pass of a variant that is of the canvas' kind, with these resources in group 0.
+    /// A pass of a variant, with these resources in group 0.
     ///
     /// # Errors
     /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
     pub fn pass<'a>(
         &self,
         gpu: &Gpu,
-        variant: V,
+        variant: impl Into<Shader>,
         resources: &[(u32, BindingResource<'_>)],
         canvas: Canvas<'a>,
     ) -> Result<TrianglePass<'a>, TracerError> {
@@ -95,7 +97,7 @@ impl<V: Variant> TrianglePipelines<V> {
     }
 }
 
-impl<V: Variant> Default for TrianglePipelines<V> {
+impl Default for TrianglePipelines {
     fn default() -> Self {
         Self::new()
     }
@@ -121,14 +123,14 @@ impl ComputeRaster {
     pub fn prepare_all(
         &self,
         gpu: &Gpu,
-        drawn_by: DrawnBy,
+        raster_backend: RasterBackend,
         images: impl IntoIterator<Item = RasterImage>,
         geometry: &DeviceGeometry,
         triangle_count: u32,
     ) -> Result<Vec<RasterWork>, TracerError> {
-        match drawn_by {
-            DrawnBy::Raster => Ok(Vec::new()),
-            DrawnBy::Compute => {
+        match raster_backend {
+            RasterBackend::Raster => Ok(Vec::new()),
+            RasterBackend::Compute => {
                 images.into_iter().map(|image| self.prepare(gpu, image, geometry, triangle_count)).collect()
             }
         }

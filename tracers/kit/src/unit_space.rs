@@ -1,7 +1,7 @@
 //! The unit cube that a scene is mapped into by methods that sample it along its axes.
 
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
-use tracebench_api::{Geometry, ImageChoice, Layers, Orthographic, Projection, Sampling, VoxelGrid, choice};
+use tracebench_api::{Geometry, ImageChoice, Layers, Orthographic, Projection, SampledImage, VoxelGrid, choice};
 pub use tracebench_shaders::shared::UnitSpace;
 
 /// Axes, and images.
@@ -11,7 +11,7 @@ const AXES: usize = 3;
 const MARGIN: f64 = 1.0;
 
 /// Least extent of an axis that is scaled by itself, as a share of the greatest: flat scenes have none.
-const LEAST_EXTENT: f64 = 1e-6;
+const MIN_EXTENT: f64 = 1e-6;
 
 choice! {
     /// What the scene's bounds are mapped to.
@@ -29,7 +29,7 @@ pub fn unit_space(geometry: &Geometry, fit: Fit, image: u32, grid: u32) -> UnitS
     let inner = f64::max(1.0 - 2.0 * MARGIN / f64::from(image), 0.5);
     let scale = match fit {
         Fit::Cube => DVec3::splat(inner / edge),
-        Fit::Box => inner / extent.max(DVec3::splat(least.max(edge * LEAST_EXTENT))),
+        Fit::Box => inner / extent.max(DVec3::splat(least.max(edge * MIN_EXTENT))),
     };
     let begin = DVec3::splat(0.5) - 0.5 * extent * scale;
     UnitSpace {
@@ -59,9 +59,9 @@ fn parts(space: &UnitSpace) -> [DVec3; 3] {
 }
 
 /// The images along its axes, which keep every layer.
-pub fn samplings_along_axes(space: &UnitSpace) -> Vec<Sampling> {
+pub fn samplings_along_axes(space: &UnitSpace) -> Vec<SampledImage> {
     let image = |axis| Projection::Orthographic(image_along(space, axis));
-    (0..AXES).map(|axis| Sampling::new(image(axis), Layers::All)).collect()
+    (0..AXES).map(|axis| SampledImage::new(image(axis), Layers::All)).collect()
 }
 
 /// Its grid, and how a trace looks into its voxels, which may be not at all.
@@ -96,8 +96,8 @@ pub fn across_and_down(axis: usize) -> [usize; 2] {
 mod tests {
     use super::*;
 
-    /// The bounds lie within the cube, a texel from its borders, centred, by one scale or by one an axis; flat and single-point scenes do, too;
-    /// and points come back from where they are mapped to.
+    /// The bounds lie within the cube, a texel from its borders, centred, by one scale or by one an axis; flat and single-point scenes do,
+    /// too; and points come back from where they are mapped to.
     #[test]
     fn bounds_are_mapped_into_the_cube() {
         for (corner, extent) in [

@@ -1,5 +1,5 @@
-//! The depths of one view as the structure of methods that march over them: layers of eye depth, backs behind them, a copy and a pyramid for
-//! searches that ask for them. Hits name no triangle: a trace to surfaces draws the view once more.
+//! The depths of one view as the structure of methods that march over them: layers of eye depth, backs behind them, a copy and a pyramid
+//! for searches that ask for them. Hits name no triangle: a trace to surfaces draws the view once more.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -7,13 +7,14 @@ use std::sync::Arc;
 use bytemuck::NoUninit;
 use tracebench_api::wgpu::{BindingResource, Buffer, CommandEncoder, ComputePipeline};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError, View,
+    Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TraceTo, TracerError, View,
 };
 
 use crate::{
-    CellDepths, DepthCopy, DepthPyramid, DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestOf,
-    NearestPass, NearestScene, Passing, PyramidBuilder, PyramidLayout, PyramidShape, Readable, Reads, Seen, SeenRaster,
-    SeenView, SurfaceGeometry, ViewUniform, bind_arrays, bind_group_at, dispatch_rays, uniform_buffer, view_uniform,
+    CellDepths, DepthCopy, DepthPyramid, EyeDepthTarget, LayerTarget, MemoryAccess, NO_SURFACE, NearestLayers,
+    NearestOf, NearestPass, NearestScene, Passing, PyramidBuilder, PyramidLayout, PyramidShape, RasterBackend,
+    Readable, SurfaceGeometry, ViewUniform, VisibilityBuffer, VisibilityPass, VisibilityView, bind_arrays,
+    bind_group_at, dispatch_rays, uniform_buffer, view_uniform,
 };
 
 /// The pipelines of builds, and of surfaces.
@@ -22,7 +23,7 @@ pub struct ImagePipelines {
     layers: NearestLayers,
     pyramids: PyramidBuilder,
     /// The triangles at the view's pixels.
-    seen: SeenRaster,
+    seen: VisibilityPass,
 }
 
 /// What is to be drawn, as a build's parameters have it.
@@ -39,9 +40,9 @@ pub struct ImageShape {
     /// What a pyramid keeps of a cell, if there is to be one.
     pub pyramid: Option<CellDepths>,
     /// What searches read from.
-    pub reads: Reads,
+    pub memory_access: MemoryAccess,
     /// What draws.
-    pub drawn_by: DrawnBy,
+    pub raster_backend: RasterBackend,
 }
 
 impl ImageShape {
@@ -72,9 +73,10 @@ pub struct Images {
 impl Images {
     fn new(gpu: &Gpu, shape: ImageShape) -> Result<Self, TracerError> {
         let target = EyeDepthTarget::of_images(gpu, shape.size, shape.images())?;
-        let by_buffer = shape.reads == Reads::Buffer;
+        let by_buffer = shape.memory_access == MemoryAccess::Buffer;
         let copy = by_buffer.then(|| DepthCopy::new(gpu, shape.size, shape.images())).transpose()?;
-        let pyramid = shape.pyramid().map(|pyramid| DepthPyramid::new(gpu, pyramid, shape.reads)).transpose()?;
+        let pyramid =
+            shape.pyramid().map(|pyramid| DepthPyramid::new(gpu, pyramid, shape.memory_access)).transpose()?;
         Ok(Self { shape, target, copy, pyramid })
     }
 
@@ -88,8 +90,9 @@ impl Images {
             pyramid.enter(ledger);
         }
         // While the images are drawn.
-        let ImageShape { drawn_by, size, .. } = self.shape;
-        let drawing = NearestLayers::memory(NearestOf::Depths, drawn_by, size, triangle_count, self.shape.images());
+        let ImageShape { raster_backend, size, .. } = self.shape;
+        let drawing =
+            NearestLayers::memory(NearestOf::Depths, raster_backend, size, triangle_count, self.shape.images());
         let of_layers: u64 = drawing.iter().map(|entry| entry.allocated_bytes).sum();
         let of_pyramid = self.pyramid.as_ref().map_or(0, |pyramid| pyramid.shape().build_bytes());
         ledger.borrow_transient(of_layers + of_pyramid);
@@ -103,7 +106,7 @@ impl Images {
 }
 
 /// A view as its images show it, with what of the scene surfaces need.
-pub struct DrawnView {
+pub struct RasterizedView {
     /// The view.
     pub view: View,
     /// Its images.
@@ -131,7 +134,7 @@ pub struct ImageSearch<'a, Settings> {
     pub counting: Option<[&'a Buffer; 2]>,
 }
 
-impl DrawnView {
+impl RasterizedView {
     /// Draws all of a build, into the images of before where there are some and the frame is as large.
     ///
     /// # Errors
@@ -178,11 +181,11 @@ impl DrawnView {
         uniforms.extend(self.images.pyramid.as_ref().map(|_| ("pyramid layout", size_of::<PyramidLayout>())));
         let whole = |(name, bytes)| MemoryEntry::whole(name, bytes as u64);
         let mut parts: Vec<_> = uniforms.into_iter().map(whole).collect();
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             let last = self.primitive_texture.borrow().clone();
-            let ImageShape { drawn_by, layers, .. } = self.images.shape;
+            let ImageShape { raster_backend, layers, .. } = self.images.shape;
             let (triangles, rays) = (self.triangle_count, job.rays.host.len());
-            parts.extend(SeenRaster::memory(drawn_by, self.view.size, triangles, layers, rays, last));
+            parts.extend(VisibilityPass::memory(raster_backend, self.view.size, triangles, layers, rays, last));
         }
         parts
     }
@@ -200,13 +203,13 @@ impl DrawnView {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let (gpu, count) = (&*pipelines.gpu, job.rays.host.len());
-        if job.end == EndPoint::Hit {
+        if job.trace_to == TraceTo::Hit {
             return self.search(gpu, search, job, hits, None, clock);
         }
         hits.surfaces_on_device(count)?;
         let shape = &self.images.shape;
-        let view = SeenView {
-            drawn_by: shape.drawn_by,
+        let view = VisibilityView {
+            raster_backend: shape.raster_backend,
             view: &self.view,
             geometry: &self.geometry,
             triangle_count: self.triangle_count,
@@ -227,12 +230,11 @@ impl DrawnView {
         search: ImageSearch<'_, impl NoUninit>,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        seen: Option<&Seen>,
+        seen: Option<&VisibilityBuffer>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let ImageSearch { name, pipeline, settings, rays_per_lane, counting } = search;
-        let Images { shape, target, copy, pyramid } = &self.images;
-        let deep = shape.images() > 1;
+        let Images { target, copy, pyramid, .. } = &self.images;
         let view = uniform_buffer(gpu, "view", &view_uniform(&self.view))?;
         let settings = uniform_buffer(gpu, "settings", &settings)?;
         let layout = |pyramid: &DepthPyramid| uniform_buffer(gpu, "pyramid layout", &pyramid.shape().layout());
@@ -244,15 +246,13 @@ impl DrawnView {
             (4, hits.on_device(job.rays.host.len())?.as_entire_binding()),
         ];
         if copy.is_none() {
-            let depths = if deep { &target.all } else { &target.eye_depth };
-            resources.push((2, BindingResource::TextureView(depths)));
+            resources.push((2, BindingResource::TextureView(&target.all)));
         }
         if let Some([of_rays, touched]) = counting {
             resources.extend([(5, of_rays.as_entire_binding()), (6, touched.as_entire_binding())]);
         }
-        if let Some(Seen { primitives, triangles }) = seen {
-            let primitives = if deep { &primitives.all } else { &primitives.view };
-            resources.extend([(7, BindingResource::TextureView(primitives)), (8, triangles.as_entire_binding())]);
+        if let Some(VisibilityBuffer { primitives, triangles }) = seen {
+            resources.extend([(7, BindingResource::TextureView(&primitives.all)), (8, triangles.as_entire_binding())]);
         }
         resources.extend(layout.as_ref().map(|layout| (9, layout.as_entire_binding())));
         let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
@@ -311,7 +311,7 @@ impl ImagePipelines {
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, TracerError> {
         let (layers, pyramids) = (NearestLayers::of_depths(gpu)?, PyramidBuilder::new(gpu)?);
-        Ok(Self { layers, pyramids, seen: SeenRaster::new(gpu)?, gpu: Arc::clone(gpu) })
+        Ok(Self { layers, pyramids, seen: VisibilityPass::new(gpu)?, gpu: Arc::clone(gpu) })
     }
 
     /// Draws everything: the whole build.
@@ -325,7 +325,7 @@ impl ImagePipelines {
         let (gpu, device) = (&*self.gpu, geometry.on_device()?);
         let Images { shape, target, copy, pyramid } = images;
         let triangle_count = geometry.triangles.len() as u32;
-        let scene = NearestScene { drawn_by: shape.drawn_by, view, geometry: device, triangle_count };
+        let scene = NearestScene { raster_backend: shape.raster_backend, view, geometry: device, triangle_count };
         let record = |encoder: &mut CommandEncoder, pass: &NearestPass, image: usize| {
             let layer = LayerTarget { image: &target.images[image], layer: image as u32, test: &target.test };
             self.layers.record(encoder, pass, layer);
@@ -386,8 +386,8 @@ mod tests {
             backs: true,
             separation: 0.1,
             pyramid: None,
-            reads: Reads::Buffer,
-            drawn_by: DrawnBy::Raster,
+            memory_access: MemoryAccess::Buffer,
+            raster_backend: RasterBackend::Raster,
         };
         let right = [
             vec![2.0, 3.0, NO_SURFACE],

@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{PipelinesOnDemand, ViewUniform, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
-use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES, Trace};
+use tracebench_kit::{
+    DevicePipelines, PipelinesOnDemand, SearchPipelines, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
+    uniform_buffer,
+};
+use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES};
 
 use crate::images::Images;
 use crate::layers::{LayerPipelines, capture_bytes};
-use crate::layout::{Forest, MOST_VIEWS, Shape};
+use crate::layout::{Forest, MAX_VIEWS, Shape};
 
 /// As `WORKGROUP_SIZE` in the shaders of shaders/quadtree.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
@@ -20,22 +23,24 @@ pub struct Pipelines {
     layers: LayerPipelines,
     surfaces: ComputePipeline,
     bottom: ComputePipeline,
-    merges: PipelinesOnDemand<Merge>,
-    pub(crate) traces: PipelinesOnDemand<Trace>,
+    merges: PipelinesOnDemand,
+    pub(crate) traces: SearchPipelines,
 }
 
-impl Pipelines {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Pipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self {
             layers: LayerPipelines::new(&gpu)?,
             surfaces: compute_pipeline(&gpu, SURFACES, "surfaces")?,
             bottom: compute_pipeline(&gpu, BOTTOM, "bottom")?,
             merges: PipelinesOnDemand::new("merge"),
-            traces: PipelinesOnDemand::new("trace"),
+            traces: SearchPipelines::default(),
             gpu,
         })
     }
+}
 
+impl Pipelines {
     fn bind(&self, pipeline: &ComputePipeline, buffers: &[&Buffer]) -> BindGroup {
         let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
         bind_group(&self.gpu, &pipeline.get_bind_group_layout(0), &resources)
@@ -88,6 +93,6 @@ impl Pipelines {
 
 /// Bytes of what a build keeps until it is done.
 pub(crate) fn build_bytes(shape: &Shape, triangles: u32) -> u64 {
-    let own = size_of::<Forest>() + MOST_VIEWS * size_of::<ViewUniform>() + 16 * shape.top as usize;
+    let own = size_of::<Forest>() + MAX_VIEWS * size_of::<ViewUniform>() + 16 * shape.top as usize;
     capture_bytes(shape, triangles) + own as u64
 }

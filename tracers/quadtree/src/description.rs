@@ -1,14 +1,14 @@
 //! The parameters of `quadtree`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 /// Layers of a view at most.
-pub(crate) const MOST_LAYERS: u32 = 4;
+pub(crate) const MAX_LAYERS: u32 = 4;
 
 /// Levels above the pixels at most (WKP15, section 3.2).
-pub(crate) const MOST_TREE_LEVELS: u32 = 9;
+pub(crate) const MAX_TREE_LEVELS: u32 = 9;
 
 choice! {
     /// How layers are caught.
@@ -64,7 +64,7 @@ parameters! {
     /// What `quadtree` is told.
     pub(crate) struct QuadtreeParameters {
         /// depth layers of a view: more know more of what is hidden, take as much more memory, and with one holes are inpainted
-        layers: u32 = Parameter::integer(Build, 1..=MOST_LAYERS, 2).unit("layers").improved(4).sweep([1, 2, 3, 4]),
+        layers: u32 = Parameter::integer(Build, 1..=MAX_LAYERS, 2).unit("layers").improved(4).sweep([1, 2, 3, 4]),
         /// how layers are caught: in one pass by a k-buffer of cascaded atomic minima (section 3.1), or by peeling, a pass a layer; without
         /// a minimum separation both catch the same
         capture: Capture = Parameter::choice(Build, Capture::KBuffer),
@@ -86,7 +86,7 @@ parameters! {
             .improved(0.5)
             .sweep([0.5, 1.0, 2.0, 4.0, 8.0]),
         /// levels above the pixels at most (section 3.2); where they do not reach one root there is a grid of roots
-        levels: u32 = Parameter::integer(Build, 0..=MOST_TREE_LEVELS, MOST_TREE_LEVELS)
+        levels: u32 = Parameter::integer(Build, 0..=MAX_TREE_LEVELS, MAX_TREE_LEVELS)
             .unit("levels")
             .sweep([0, 3, 6, 8, 9]),
         /// angle in the unit cube by which a child's normal may be off the plane that stands for it (section 3.3); with 0 nothing is merged
@@ -143,8 +143,8 @@ parameters! {
         max_steps: u32 = Parameter::integer(Trace, 1..=1 << 20, 1 << 14)
             .unit("nodes")
             .sweep([64, 256, 1024, 4096, 16_384]),
-        build: DrawnBy = build_parameter(),
-        reads: Reads = reads_parameter(),
+        build: RasterBackend = build_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -153,8 +153,8 @@ parameters! {
 pub(crate) const NO_REFIT: &str = "quadtree has no shape to keep: its layers are drawn again or reused";
 
 /// What `quadtree` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "quadtree",
         citation: "Widmer, Pajak, Schulz, Pulli, Kautz, Goesele, Luebke: An Adaptive Acceleration Structure for Screen-space Ray \
                    Tracing, HPG 2015",
@@ -162,7 +162,7 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: QuadtreeParameters::describe(),

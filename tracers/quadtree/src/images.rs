@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, PhaseClock, TracerError};
-use tracebench_kit::{DrawnBy, EmptyTarget, ReadSlot, Readable, Reads, Room, record_copies};
+use tracebench_kit::{EmptyTarget, GrowableBuffer, MemoryAccess, RasterBackend, ReadSlot, Readable, record_copies};
 
 use crate::layout::Shape;
 
@@ -28,14 +28,14 @@ const PAYLOAD_BYTES: u64 = 16;
 #[derive(Clone)]
 pub(crate) struct Images {
     /// Complemented bits of eye depths, a word a pixel a layer; 0 for nothing.
-    pub codes: Room,
+    pub codes: GrowableBuffer,
     /// The same of a view, a word a pixel a slot, where layers are chosen from more depths.
-    pub caught: Option<Room>,
+    pub caught: Option<GrowableBuffer>,
     /// Complemented triangles, a word a pixel a layer; 0 for none.
-    pub names: Room,
+    pub names: GrowableBuffer,
     /// Of layers 1 and 3, and of 2 and 4: one binding does not hold those of faces.
-    pub payloads: [Room; 2],
-    pub nodes: Room,
+    pub payloads: [GrowableBuffer; 2],
+    pub nodes: GrowableBuffer,
     /// None where there is no rasterizer.
     pub target: Option<EmptyTarget>,
     /// Nodes and both payloads as searches read them.
@@ -44,7 +44,12 @@ pub(crate) struct Images {
 
 impl Images {
     /// Buffers for a shape, those of `there` where they have room and the images are as large.
-    pub(crate) fn new(gpu: &Gpu, shape: &Shape, reads: Reads, there: Option<&Self>) -> Result<Self, TracerError> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        shape: &Shape,
+        memory_access: MemoryAccess,
+        there: Option<&Self>,
+    ) -> Result<Self, TracerError> {
         let edge = gpu.limits.max_texture_dimension_2d;
         if let Some(too_large) = shape.size().into_iter().find(|size| *size > edge) {
             return Err(TracerError::Failed(format!(
@@ -52,8 +57,9 @@ impl Images {
                 shape.smaller_by()
             )));
         }
-        let down = shape.turn_down();
-        let room = |name, bytes: u64, there: Option<&Room>| Room::new(gpu, name, bytes, down, there);
+        let down = shape.hint();
+        let room =
+            |name, bytes: u64, there: Option<&GrowableBuffer>| GrowableBuffer::new(gpu, name, bytes, down, there);
         let (pixels, views) = (shape.pixels(), shape.views.len() as u64);
         let all = pixels * shape.images();
         let payload = |which: usize| {
@@ -75,19 +81,19 @@ impl Images {
         let nodes =
             room(NODES, shape.level_offsets().1 * shape.images() * NODE_BYTES, there.map(|there| &there.nodes))?;
         let slots = [ReadSlot::Pairs0, ReadSlot::Quads0, ReadSlot::Quads1];
-        let array = |place: usize, room: &Room| {
+        let array = |place: usize, room: &GrowableBuffer| {
             let there = there.map(|there| &there.arrays[place]);
-            Readable::built(gpu, reads, slots[place], &room.buffer, room.used_bytes, COPIES[place], there, down)
+            Readable::built(gpu, memory_access, slots[place], &room.buffer, room.used_bytes, COPIES[place], there, down)
         };
         let arrays = [array(0, &nodes)?, array(1, &payloads[0])?, array(2, &payloads[1])?];
-        let drawn = shape.drawn_by == DrawnBy::Raster;
+        let drawn = shape.raster_backend == RasterBackend::Raster;
         let target = drawn.then(|| EmptyTarget::new(gpu, TARGET, shape.size())).transpose()?;
         Ok(Self { codes, caught, names, payloads, nodes, target, arrays })
     }
 
     /// How searches read them.
-    pub(crate) fn reads(&self) -> Reads {
-        self.arrays[0].reads()
+    pub(crate) fn memory_access(&self) -> MemoryAccess {
+        self.arrays[0].memory_access()
     }
 
     /// What a trace binds, to surfaces or to hits.
@@ -101,17 +107,17 @@ impl Images {
     }
 
     /// Reads the words of a buffer that are in use.
-    pub(crate) fn read(gpu: &Gpu, room: &Room) -> Result<Vec<u32>, TracerError> {
+    pub(crate) fn read(gpu: &Gpu, room: &GrowableBuffer) -> Result<Vec<u32>, TracerError> {
         Ok(bytemuck::pod_collect_to_vec(&gpu.read(&room.buffer, room.used_bytes)?))
     }
 
-    fn rooms(&self) -> impl Iterator<Item = &Room> {
+    fn buffers(&self) -> impl Iterator<Item = &GrowableBuffer> {
         [&self.codes, &self.names, &self.nodes].into_iter().chain(&self.caught).chain(&self.payloads)
     }
 
     /// Enters every part.
     pub(crate) fn enter(&self, ledger: &mut Ledger) {
-        self.rooms().for_each(|room| room.enter(ledger));
+        self.buffers().for_each(|room| room.enter(ledger));
         self.arrays.iter().for_each(|array| array.enter(ledger));
         if let Some(target) = &self.target {
             target.enter(ledger);

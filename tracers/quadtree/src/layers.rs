@@ -3,10 +3,10 @@
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, RasterImage, RasterWork, TrianglePass, TrianglePipelines, bind_group_at,
+    Canvas, ComputeRaster, RasterBackend, RasterImage, RasterWork, TrianglePass, TrianglePipelines, bind_group_at,
     compute_pipeline, dispatch_linear, uniform_buffer, view_uniform,
 };
-use tracebench_shaders::quadtree::{Layers, THIN};
+use tracebench_shaders::quadtree::{LAYERS, THIN};
 
 use crate::build::WORKGROUP_SIZE;
 use crate::description::Capture;
@@ -28,7 +28,7 @@ enum Stage {
 /// The pipelines.
 pub(crate) struct LayerPipelines {
     raster: ComputeRaster,
-    draw: TrianglePipelines<Layers>,
+    draw: TrianglePipelines,
     thin: ComputePipeline,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Capturing<'a> {
 impl LayerPipelines {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
         let draw = TrianglePipelines::new();
-        draw.raster(gpu, Layers { compute: false })?;
+        draw.raster(gpu, LAYERS)?;
         Ok(Self { raster: ComputeRaster::new(gpu), draw, thin: compute_pipeline(gpu, THIN, "thin")? })
     }
 
@@ -65,7 +65,7 @@ impl LayerPipelines {
     ) -> Result<Vec<RasterWork>, TracerError> {
         let images = shape.views.iter().map(RasterImage::of_view);
         let triangles = geometry.triangles.len() as u32;
-        self.raster.prepare_all(gpu, shape.drawn_by, images, geometry.on_device()?, triangles)
+        self.raster.prepare_all(gpu, shape.raster_backend, images, geometry.on_device()?, triangles)
     }
 
     /// Prepares the capture of every view.
@@ -82,7 +82,7 @@ impl LayerPipelines {
             gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
         }
         let mut capturing = Capturing { work, catch: Vec::new(), name: Vec::new() };
-        let (vertices, compute) = (geometry.triangles.len() as u32 * 3, shape.drawn_by == DrawnBy::Compute);
+        let vertices = geometry.triangles.len() as u32 * 3;
         let (pixels, separation) = (shape.pixels() as u32, shape.separation as f32);
         for (number, view) in shape.views.iter().enumerate() {
             let first = number as u32 * shape.layers * pixels;
@@ -102,7 +102,7 @@ impl LayerPipelines {
                 let buffers = [&pass, &device.positions, &device.indices, codes, &images.names.buffer];
                 let resources: Vec<_> = (0..).zip(buffers.map(Buffer::as_entire_binding)).collect();
                 let canvas = Canvas::of(work.get(number), images.target.as_ref(), vertices)?;
-                Ok::<_, TracerError>(Step::Draw(self.draw.pass(gpu, Layers { compute }, &resources, canvas)?))
+                Ok::<_, TracerError>(Step::Draw(self.draw.pass(gpu, LAYERS, &resources, canvas)?))
             };
             let codes = &images.codes.buffer;
             match (shape.capture, &images.caught) {
@@ -178,6 +178,6 @@ impl LayerPipelines {
 pub(crate) fn capture_bytes(shape: &Shape, triangles: u32) -> u64 {
     let passes = if shape.capture == Capture::Peeling { shape.layers as usize } else { 1 } + 1;
     let thinned = if shape.thins() { size_of::<ThinPass>() } else { 0 };
-    let dealt = if shape.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
+    let dealt = if shape.raster_backend == RasterBackend::Compute { RasterWork::bytes(triangles, false) } else { 0 };
     shape.views.len() as u64 * ((passes * size_of::<LayerPass>() + thinned) as u64 + dealt)
 }

@@ -2,15 +2,15 @@
 
 use bytemuck::Zeroable;
 use tracebench_api::{TracerError, View, Viewpoint};
-use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform, view_uniform, view_uniforms};
+use tracebench_kit::{MAX_LEVELS, Pyramid, RasterBackend, ViewUniform, view_uniform, view_uniforms};
 
 use crate::description::{
-    BackFaces, Capture, Dilated, DistanceIn, MOST_TREE_LEVELS, Normals, Patches, QuadtreeParameters, Views,
+    BackFaces, Capture, Dilated, DistanceIn, MAX_TREE_LEVELS, Normals, Patches, QuadtreeParameters, Views,
 };
 pub(crate) use tracebench_shaders::quadtree::{Forest, TreeView};
 
 /// Views at most: six faces.
-pub(crate) const MOST_VIEWS: usize = 6;
+pub(crate) const MAX_VIEWS: usize = 6;
 
 /// What is drawn and built.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub(crate) struct Shape {
     /// Whether planes end at those beside them.
     pub is_joined: bool,
     /// What draws.
-    pub drawn_by: DrawnBy,
+    pub raster_backend: RasterBackend,
 }
 
 impl Shape {
@@ -56,7 +56,7 @@ impl Shape {
                 "a view of {} x {} pixels shows nothing: turn up {}",
                 size[0],
                 size[1],
-                if has_faces { "--face" } else { "--frame" }
+                if has_faces { "--face-size" } else { "--frame-size" }
             )));
         }
         let whole = (Pyramid { size }.levels() - 1) as u32;
@@ -69,7 +69,7 @@ impl Shape {
             separation: parameters.minimum_separation * diagonal,
             normals: parameters.normals,
             discontinuity: parameters.discontinuity,
-            top: whole.min(parameters.levels.min(MOST_TREE_LEVELS)),
+            top: whole.min(parameters.levels.min(MAX_TREE_LEVELS)),
             gamma_norm: parameters.gamma_norm,
             gamma_dist: parameters.gamma_dist,
             gamma_dist_in: parameters.gamma_dist_in,
@@ -77,7 +77,7 @@ impl Shape {
             dilation: parameters.dilation,
             dilated: parameters.dilated,
             is_joined: parameters.patches == Patches::Joined,
-            drawn_by: parameters.build,
+            raster_backend: parameters.build,
         })
     }
 
@@ -102,8 +102,8 @@ impl Shape {
     }
 
     /// The first node of every level of an image, and how many there are.
-    pub(crate) fn level_offsets(&self) -> ([u32; MOST_LEVELS], u64) {
-        let mut offsets = [0; MOST_LEVELS];
+    pub(crate) fn level_offsets(&self) -> ([u32; MAX_LEVELS], u64) {
+        let mut offsets = [0; MAX_LEVELS];
         let mut end = 0;
         for level in 0..=self.top {
             offsets[level as usize] = end as u32;
@@ -124,14 +124,14 @@ impl Shape {
 
     /// The option that makes views smaller.
     pub(crate) fn smaller_by(&self) -> &'static str {
-        if self.has_faces { "--face" } else { "--frame" }
+        if self.has_faces { "--face-size" } else { "--frame-size" }
     }
 
     /// What makes views smaller, or fewer.
-    pub(crate) fn turn_down(&self) -> &'static str {
+    pub(crate) fn hint(&self) -> &'static str {
         match self.has_faces {
-            true => "--face or quadtree.layers",
-            false => "--frame or quadtree.layers",
+            true => "--face-size or quadtree.layers",
+            false => "--frame-size or quadtree.layers",
         }
     }
 
@@ -162,8 +162,8 @@ impl Shape {
     }
 
     /// The views as a trace takes them, unused ones zero.
-    pub(crate) fn tree_views(&self) -> [TreeView; MOST_VIEWS] {
-        let mut all: [TreeView; MOST_VIEWS] = Zeroable::zeroed();
+    pub(crate) fn tree_views(&self) -> [TreeView; MAX_VIEWS] {
+        let mut all: [TreeView; MAX_VIEWS] = Zeroable::zeroed();
         for (slot, view) in all.iter_mut().zip(&self.views) {
             let beyond = [view.right, -view.right, view.up, -view.up].map(|side| {
                 let is_beyond = |other: &View| other.forward.dot(side) > 0.99;
@@ -176,7 +176,7 @@ impl Shape {
     }
 
     /// The views alone, unused ones zero.
-    pub(crate) fn view_uniforms(&self) -> [ViewUniform; MOST_VIEWS] {
+    pub(crate) fn view_uniforms(&self) -> [ViewUniform; MAX_VIEWS] {
         view_uniforms(self.views.iter().map(view_uniform))
     }
 }
@@ -222,7 +222,7 @@ mod tests {
         assert_eq!(roots([1, 3]), (2, [1, 1]));
         let faces = shape([1, 1], &[("views", "six")]).unwrap();
         assert!(faces.level_offsets().1 * faces.images() * 8 <= 128 << 20);
-        assert!(shape([0, 4], &[]).unwrap_err().to_string().contains("--frame"));
+        assert!(shape([0, 4], &[]).unwrap_err().to_string().contains("--frame-size"));
     }
 
     /// Depth goes from 1 at near to 0 at far; every side of a face has the face there that continues the view, a frame has none.

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec2, DVec3};
-use tracebench_api::{EndPoint, Hit, Ray};
+use tracebench_api::{Hit, Ray, TraceTo};
 use tracebench_tests::{gpu, ray, soup};
 
 use super::structure::Quadtree;
 use super::tests::{LOSSLESS, answer, built_by, rectangle, viewpoint};
 use super::trace_tests::{JOINED, counted, of};
 
-/// What stands before the eye, as right and ahead have it: the front of a block, its side, of which little more than two pixels are seen, and
-/// a wall.
+/// What stands before the eye, as right and ahead have it: the front of a block, its side, of which little more than two pixels are seen,
+/// and a wall.
 struct Block {
     faces: [[DVec2; 2]; 3],
 }
@@ -64,9 +64,9 @@ fn near_edge(end: f64) -> Vec<[DVec2; 2]> {
     before.chain(onto).collect()
 }
 
-/// Proves that joined planes end at an edge between two faces: of rays close before the edge, and onto it, more than half of those that pixels'
-/// whole squares get wrong are right, wherever in its pixel the edge lies; that those wrong are few; and that of a trace which joins alone
-/// neighbours are counted.
+/// Proves that joined planes end at an edge between two faces: of rays close before the edge, and onto it, more than half of those that
+/// pixels' whole squares get wrong are right, wherever in its pixel the edge lies; that those wrong are few; and that of a trace which
+/// joins alone neighbours are counted.
 #[test]
 fn planes_end_at_an_edge() {
     let gpu = gpu();
@@ -87,7 +87,7 @@ fn planes_end_at_an_edge() {
             let settings = [&LOSSLESS[..], &JOINED, &[("patches", patches), ("start_bias", "0.1")]].concat();
             let structure = built_by(&tracer, &gpu, &geometry, &settings);
             structure.check(&geometry).unwrap();
-            let hits = answer(&gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+            let hits = answer(&gpu, &structure, &rays, &settings, TraceTo::Hit).0;
             let is_wrong = |([from, towards], hit): (&[DVec2; 2], &Hit)| {
                 let reach = block.reach(*from, *towards);
                 let point = *from + *towards * reach;

@@ -410,7 +410,7 @@ impl<'a> Reference<'a> {
         }
         match best {
             Some(best) => Answered { decided, ..best },
-            None => miss(if occluded { Status::Occluded } else { missed }, decided),
+            None => miss(if occluded { Status::BehindLastLayer } else { missed }, decided),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tracebench_api::{EndPoint, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, TraceJob};
+use tracebench_api::{Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, TraceJob, TraceTo};
 use tracebench_kit::Built;
 use tracebench_tests::{gpu, soup};
 
@@ -22,7 +22,7 @@ fn weighed(
     let hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
     let parameters = parameters(settings);
     let mut clock = PhaseClock::new(Some(gpu));
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters };
+    let job = TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &parameters };
     let written = structure.record_weighing(&job, &hits, None, &mut clock).unwrap();
     clock.finish().unwrap();
     let told = structure.memory_of_trace(&job).unwrap();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, TraceJob,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, Projection, SampledImage, TraceJob,
     TracerError,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer};
@@ -29,23 +29,15 @@ impl DeviceStructure for QuadtreeStructure {
 
     const NO_REFIT: &'static str = NO_REFIT;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = QuadtreeParameters::try_from(parameters)?;
         let shape = Shape::new(viewpoint, geometry.diagonal(), &parameters)?;
         // Images of the same size are drawn into what is there.
-        let sizes = |shape: &Shape| (shape.size(), shape.images(), shape.thins(), shape.drawn_by);
+        let sizes = |shape: &Shape| (shape.size(), shape.images(), shape.thins(), shape.raster_backend);
         let images = match before {
             Some(before) if sizes(&shape) == sizes(&before.shape) => before.images.clone(),
-            _ => Images::new(&pipelines.gpu, &shape, parameters.reads, before.map(|before| &before.images))?,
+            _ => Images::new(&pipelines.gpu, &shape, parameters.memory_access, before.map(|before| &before.images))?,
         };
         pipelines.fill(&shape, &images, geometry, clock)?;
         let triangle_count = geometry.triangles.len() as u32;
@@ -64,9 +56,9 @@ impl DeviceStructure for QuadtreeStructure {
         self.memory_of_trace(job)
     }
 
-    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         let layers = Layers::of(self.shape.layers, self.shape.separation, !self.shape.culls);
-        let of = |view: &tracebench_api::View| Sampling::new(Projection::Perspective(*view), layers);
+        let of = |view: &tracebench_api::View| SampledImage::new(Projection::Perspective(*view), layers);
         Ok(self.shape.views.iter().map(of).collect())
     }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, Surface, TraceJob, TracerError, Update, Viewpoint, wgpu,
+    AdapterChoice, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
+    Structure, Surface, TraceJob, TraceTo, TracerError, Update, Viewpoint, wgpu,
 };
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, rectangle as rectangle_of, soup};
@@ -67,18 +67,18 @@ pub(crate) fn answer(
     structure: &Built<QuadtreeStructure>,
     rays: &[Ray],
     settings: &[(&str, &str)],
-    end: EndPoint,
+    trace_to: TraceTo,
 ) -> (Vec<Hit>, Vec<Surface>) {
     let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
-    let mut hits = HitBuffer::for_end(end, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
+    let mut hits = HitBuffer::tracing_to(trace_to, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
     hits.poison(Some(gpu)).unwrap();
     let parameters = parameters(settings);
     let mut clock = PhaseClock::new(Some(gpu));
-    structure.trace(TraceJob { rays: &rays, end, parameters: &parameters }, &mut hits, &mut clock).unwrap();
+    structure.trace(TraceJob { rays: &rays, trace_to, parameters: &parameters }, &mut hits, &mut clock).unwrap();
     clock.finish().unwrap();
-    let surfaces = match end {
-        EndPoint::Hit => Vec::new(),
-        EndPoint::Surface => hits.read_surfaces(Some(gpu)).unwrap(),
+    let surfaces = match trace_to {
+        TraceTo::Hit => Vec::new(),
+        TraceTo::Surface => hits.read_surfaces(Some(gpu)).unwrap(),
     };
     (hits.read(Some(gpu)).unwrap(), surfaces)
 }
@@ -120,7 +120,8 @@ pub(crate) fn hostile() -> Vec<[[f32; 3]; 3]> {
 }
 
 /// Every capture, by the rasterizer and in compute, with and without back faces and a separation, of every number of layers and view set,
-/// with normals of either kind and all thresholds, passes its own check: layers against a rasterizer on the host, nodes against those below them.
+/// with normals of either kind and all thresholds, passes its own check: layers against a rasterizer on the host, nodes against those below
+/// them.
 #[test]
 fn structures_are_sound() {
     let gpu = gpu();
@@ -136,7 +137,7 @@ fn structures_are_sound() {
         vec![("minimum_separation", "0.01"), ("layers", "3"), ("capture", "peeling"), ("back_faces", "culled")],
         vec![("gamma_dist_in", "pixels"), ("gamma_dist", "2"), ("gamma_norm", "20"), ("gamma_growth", "8")],
         vec![("levels", "2"), ("gamma_dist", "0.1"), ("gamma_norm", "25"), ("dilated", "flagged")],
-        vec![("levels", "0"), ("reads", "texture"), ("dilated", "none")],
+        vec![("levels", "0"), ("memory_access", "texture"), ("dilated", "none")],
         vec![("build", "compute"), ("layers", "3")],
         vec![("build", "compute"), ("layers", "2"), ("capture", "peeling"), ("views", "six")],
         vec![("build", "compute"), ("minimum_separation", "0.01"), ("back_faces", "culled")],
@@ -227,11 +228,11 @@ fn too_much_is_refused() {
             .unwrap_or_default()
     };
     let frame = |frame: [u32; 2]| Viewpoint { frame, ..viewpoint() };
-    assert!(refused(&viewpoint(), &[]).contains("--frame or quadtree.layers"));
-    assert!(refused(&viewpoint(), &[("views", "six")]).contains("--face or quadtree.layers"));
-    assert!(refused(&frame([0, 7]), &[]).contains("turn up --frame"));
+    assert!(refused(&viewpoint(), &[]).contains("--frame-size or quadtree.layers"));
+    assert!(refused(&viewpoint(), &[("views", "six")]).contains("--face-size or quadtree.layers"));
+    assert!(refused(&frame([0, 7]), &[]).contains("turn up --frame-size"));
     // Fewer layers make no edge shorter.
-    assert!(refused(&frame([200_000, 1]), &[]).ends_with("turn down --frame"));
+    assert!(refused(&frame([200_000, 1]), &[]).ends_with("turn down --frame-size"));
     // Fewer layers of fewer pixels fit.
     assert_eq!(refused(&frame([20, 20]), &[]), "");
     let descriptions = description().parameters;
@@ -264,13 +265,13 @@ fn odd_frames_are_answered() {
             let structure = try_built(&tracer, &gpu, &geometry, &view, &settings).unwrap();
             let statistics = structure.check(&geometry).unwrap_or_else(|error| panic!("{size:?}: {error}"));
             let covered = statistics.iter().find(|(name, _)| *name == "covered_pixels").unwrap().1;
-            let hits = answer(&gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+            let hits = answer(&gpu, &structure, &rays, &settings, TraceTo::Hit).0;
             let found = hits.iter().filter(|hit| hit.is_hit()).count();
             assert_eq!(found as f64, covered, "{size:?} {settings:?}");
             hits_seen += found;
             let nothing = try_built(&tracer, &gpu, &empty, &view, &settings).unwrap();
             nothing.check(&empty).unwrap();
-            assert!(answer(&gpu, &nothing, &rays, &settings, EndPoint::Hit).0.iter().all(|hit| !hit.is_hit()));
+            assert!(answer(&gpu, &nothing, &rays, &settings, TraceTo::Hit).0.iter().all(|hit| !hit.is_hit()));
         }
     }
     assert!(hits_seen > 100, "{hits_seen}");
@@ -287,7 +288,7 @@ fn rebuilt_structures_are_as_new() {
     let eye = viewpoint().eye.as_dvec3();
     let mut numbers = Numbers::new(162);
     let rays: Vec<Ray> = (0..400).map(|_| tracebench_tests::ray(eye + numbers.point(), numbers.direction())).collect();
-    for settings in [vec![], vec![("reads", "texture"), ("minimum_separation", "0.01")]] {
+    for settings in [vec![], vec![("memory_access", "texture"), ("minimum_separation", "0.01")]] {
         let mut structure = built_by(&tracer, &gpu, &geometry, &settings);
         let moved = Viewpoint { eye: Vec3::new(-0.4, 0.1, 0.6), ..viewpoint() };
         let smaller = Viewpoint { frame: [40, 30], ..moved };
@@ -298,7 +299,7 @@ fn rebuilt_structures_are_as_new() {
             structure.update(Update::Rebuild, &other, &view, &parameters(&settings), &mut clock).unwrap();
             clock.finish().unwrap();
             let fresh = try_built(&tracer, &gpu, &other, &view, &settings).unwrap();
-            let of = |structure| answer(&gpu, structure, &rays, &settings, EndPoint::Surface);
+            let of = |structure| answer(&gpu, structure, &rays, &settings, TraceTo::Surface);
             let found = of(&structure);
             assert_eq!(found, of(&fresh), "{view:?}");
             assert_ne!(before.replace(found.clone()), Some(found));

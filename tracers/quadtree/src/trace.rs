@@ -1,14 +1,15 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{Buffer, BufferUsages};
-use tracebench_api::{Counter, EndPoint, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::{Counter, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    Launch, Reads, Search, TraceCounts, bind_arrays, bind_group_at, record_searches, uniform_buffer, untimed,
+    Left, MemoryAccess, Search, SearchJob, SearchedRays, TraceCounts, bind_arrays, bind_group_at, uniform_buffer,
+    untimed,
 };
 use tracebench_shaders::quadtree::Trace;
 
 use crate::description::{Inpainting, QuadtreeParameters, Traversal};
-use crate::layout::{Forest, MOST_VIEWS, TreeView};
+use crate::layout::{Forest, MAX_VIEWS, TreeView};
 use crate::structure::QuadtreeStructure;
 pub(crate) use tracebench_shaders::quadtree::QuadtreeSettings;
 
@@ -49,7 +50,6 @@ impl QuadtreeStructure {
         QuadtreeSettings {
             ray_count: job.rays.host.len() as u32,
             rays_per_lane: parameters.rays_per_lane,
-            unanswered_only: 0,
             view_count: self.shape.views.len() as u32,
             has_faces: u32::from(self.shape.has_faces),
             next_layer: parameters.next_layer as u32,
@@ -62,7 +62,7 @@ impl QuadtreeStructure {
             jitter: parameters.secondary_jitter as f32,
             inverse_sigma: (1.0 / parameters.secondary_sigma) as f32,
             touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
-            padding: 0,
+            padding: [0; 2],
         }
     }
 
@@ -78,18 +78,18 @@ impl QuadtreeStructure {
         let gpu = self.gpu();
         let count = job.rays.host.len();
         let parameters = QuadtreeParameters::try_from(job.parameters)?;
-        let surfaces = job.end == EndPoint::Surface;
+        let surfaces = job.trace_to == TraceTo::Surface;
         let variant = Trace {
-            textures: self.images.reads() == Reads::Texture,
+            textures: self.images.memory_access() == MemoryAccess::Texture,
             stack: parameters.traversal == Traversal::Stack,
             surfaces,
             counters: counting.is_some(),
             secondary: parameters.secondary_samples > 0,
             joined: self.shape.is_joined,
         };
-        let pipeline = self.pipelines.traces.of(gpu, variant)?;
         let settings = self.settings(job, &parameters, counting);
         let forest = uniform_buffer(gpu, "forest", &self.shape.forest())?;
+        let search = uniform_buffer(gpu, "search", &settings)?;
         let views = uniform_buffer(gpu, "views", &self.shape.tree_views())?;
         let weights = match variant.secondary {
             true => {
@@ -100,38 +100,29 @@ impl QuadtreeStructure {
             false => None,
         };
         let hit_buffer = hits.on_device(count)?;
-        let mut bound = vec![(0, &forest), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
+        let mut bound = vec![(0, &forest), (1, &search), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
         if surfaces {
             bound.push((5, hits.surfaces_on_device(count)?));
         }
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
         bound.extend(weights.as_ref().map(|weights| (7, weights)));
-        let arrays = bind_arrays(gpu, &pipeline, self.images.bound(surfaces));
-        let bind = |search: QuadtreeSettings| -> Result<Launch, TracerError> {
-            let settings = uniform_buffer(gpu, "search", &search)?;
-            let numbered = bound.iter().copied().chain([(1, &settings)]);
-            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
-            let (pipeline, groups) = (pipeline.clone(), vec![own, arrays.clone()]);
-            Ok(Launch { pipeline, groups, rays_per_lane: search.rays_per_lane })
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let bind = |pipeline: &ComputePipeline, _| {
+            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
+            vec![own, bind_arrays(gpu, pipeline, self.images.bound(surfaces))]
         };
-        let mut searches = vec![bind(settings)?];
-        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
-        if settings.rays_per_lane > 1 {
-            searches.push(bind(QuadtreeSettings { rays_per_lane: 1, unanswered_only: 1, ..settings })?);
-        }
-        record_searches(&searches, settings.ray_count, hit_buffer, clock)?;
+        let (count, per_lane) = (settings.ray_count, settings.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        self.pipelines.traces.record(gpu, variant, rays, bind, clock)?;
         Ok(weights)
     }
 
     pub(crate) fn memory_of_trace(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let parameters = QuadtreeParameters::try_from(job.parameters)?;
-        // One more for the rays that lanes of several leave.
-        let searches = if parameters.rays_per_lane > 1 { 2 } else { 1 };
         let mut parts = vec![
             ("forest", size_of::<Forest>() as u64),
-            ("search", searches * size_of::<QuadtreeSettings>() as u64),
-            ("views", (MOST_VIEWS * size_of::<TreeView>()) as u64),
+            ("search", size_of::<QuadtreeSettings>() as u64),
+            ("views", (MAX_VIEWS * size_of::<TreeView>()) as u64),
         ];
         if parameters.secondary_samples > 0 {
             parts.push((WEIGHTS, job.rays.host.len().max(1) as u64 * 4));
@@ -143,13 +134,8 @@ impl QuadtreeStructure {
 impl Search for QuadtreeStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         self.record_weighing(job, hits, counting, clock).map(drop)
     }
 
@@ -158,11 +144,12 @@ impl Search for QuadtreeStructure {
         // Of nodes and, no more than these, of pixels.
         let things = [self.shape.level_offsets().1 * self.shape.images(); 2];
         let names = if self.shape.is_joined { &COUNTERS[..] } else { &COUNTERS[..COUNTERS.len() - 1] };
-        let counting = TraceCounts::new(gpu, things, names, job.rays.host.len(), "--size, --face or --frame")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        let counting =
+            TraceCounts::new(gpu, things, names, job.rays.host.len(), "--size, --face-size or --frame-size")?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         let mut counters = counting.counters(gpu, ["nodes_touched", "payloads_touched"])?;
         counters.retain(|counter| self.shape.layers > 1 || !OF_FURTHER_LAYERS.contains(&counter.name));
-        counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
+        counters.retain(|counter| job.trace_to == TraceTo::Surface || counter.name != "payloads_touched");
         Ok(counters)
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob,
+    Counter, Geometry, Gpu, Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TraceTo,
 };
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, ray, soup};
@@ -84,7 +84,7 @@ fn rays_are_answered_as_by_brute_force() {
     for (settings, asked) in all {
         let structure = built_by(&tracer, &gpu, &geometry, &settings);
         let reference = Reference::new(&structure);
-        let hits = answer(&gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+        let hits = answer(&gpu, &structure, &rays, &settings, TraceTo::Hit).0;
         let expected: Vec<Answered> = rays.iter().map(|ray| reference.answer(ray, &asked)).collect();
         let decided = expected.iter().filter(|each| each.decided).count();
         assert!(10 * decided > 8 * rays.len(), "{settings:?}: {decided} of {} decided", rays.len());
@@ -110,7 +110,7 @@ fn rays_are_answered_as_by_brute_force() {
         let behind = expected.iter().filter(|each| each.decided && each.layer > 0).count();
         assert!(structure.shape.layers == 1 || behind > 5, "{settings:?}: {behind}");
         let other = [&settings[..], &[("inpainting", if asked.inpaints { "never" } else { "always" })]].concat();
-        assert!(wrong(&answer(&gpu, &structure, &rays, &other, EndPoint::Hit).0).len() > 20, "{settings:?}");
+        assert!(wrong(&answer(&gpu, &structure, &rays, &other, TraceTo::Hit).0).len() > 20, "{settings:?}");
     }
 }
 
@@ -139,7 +139,8 @@ fn through_sides() -> Vec<Ray> {
 }
 
 /// Proves that the way a tree is walked changes no bit: with a stack or without, over as many levels as there are or none, read from
-/// textures, with several rays a lane; of one layer, too, where holes are inpainted, and of planes that end at each other. Negative control: merged planes do change some.
+/// textures, with several rays a lane; of one layer, too, where holes are inpainted, and of planes that end at each other. Negative
+/// control: merged planes do change some.
 #[test]
 fn ways_to_walk_change_no_hit() {
     let gpu = gpu();
@@ -151,7 +152,7 @@ fn ways_to_walk_change_no_hit() {
         let by = |more: &[(&'static str, &'static str)]| {
             let settings = [&LOSSLESS[..], base, more].concat();
             let structure = built_by(&tracer, &gpu, &geometry, &settings);
-            answer(&gpu, &structure, &rays, &settings, EndPoint::Surface)
+            answer(&gpu, &structure, &rays, &settings, TraceTo::Surface)
         };
         let expected = by(&[]);
         assert!(count(&expected.0, Status::Hit) > 300);
@@ -159,7 +160,7 @@ fn ways_to_walk_change_no_hit() {
             [("traversal", "stack"), ("rays_per_lane", "1")],
             [("levels", "0"), ("max_steps", "65536")],
             [("levels", "3"), ("traversal", "stack")],
-            [("reads", "texture"), ("rays_per_lane", "7")],
+            [("memory_access", "texture"), ("rays_per_lane", "7")],
         ] {
             let found = by(&more);
             let off: Vec<_> = rays.iter().zip(found.0.iter().zip(&expected.0)).filter(|(_, (a, b))| a != b).collect();
@@ -187,7 +188,7 @@ fn rays_from_the_eye_get_the_depth_buffer() {
         let settings = [&settings[..], &[("normals", normals)]].concat();
         let structure = built_by(&tracer, &gpu, &geometry, &settings);
         let codes = super::images::Images::read(&gpu, &structure.images.codes).unwrap();
-        let hits = answer(&gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+        let hits = answer(&gpu, &structure, &rays, &settings, TraceTo::Hit).0;
         let mut greatest = 0.0_f64;
         for ((hit, code), ray) in hits.iter().zip(&codes).zip(&rays) {
             assert_eq!(hit.is_hit(), *code != 0, "{settings:?}");
@@ -239,7 +240,7 @@ impl Stage {
     }
 
     fn one(&self, ray: Ray, settings: &[(&str, &str)]) -> Hit {
-        answer(&self.gpu, &self.built(settings), &[ray], settings, EndPoint::Hit).0[0]
+        answer(&self.gpu, &self.built(settings), &[ray], settings, TraceTo::Hit).0[0]
     }
 }
 
@@ -258,7 +259,7 @@ fn occlusion_volumes_ask_the_next_layer() {
     let past = stage.ray([-1.5, 0.1, 2.2], [1.0, 0.0, 0.5]);
     let near = |hit: &Hit, t: f32| status(hit) == Status::Hit && (hit.t - t).abs() < 0.05;
     let bounded = Ray { t_max: (2.0 * 1.25_f64.sqrt()) as f32, ..past };
-    assert_eq!(status(&stage.one(bounded, &[("layers", "1"), never])), Status::Occluded);
+    assert_eq!(status(&stage.one(bounded, &[("layers", "1"), never])), Status::BehindLastLayer);
     assert_eq!(status(&stage.one(bounded, &[("layers", "2")])), Status::Miss);
     // From before to behind the second plate, which only the second layer has, and out onto the wall.
     let through = stage.ray([-1.5, 0.1, 2.2], [1.0, 0.0, 0.78]);
@@ -298,17 +299,20 @@ fn holes_are_inpainted_with_the_background() {
     let first = (side.x + 0.5).floor();
     assert!((at.x - (first - 0.5)).abs() < 0.02, "{at:?} {side:?}");
     let (_, surfaces) =
-        answer(&stage.gpu, &stage.built(&[("layers", "1")]), &[past], &[("layers", "1")], EndPoint::Surface);
+        answer(&stage.gpu, &stage.built(&[("layers", "1")]), &[past], &[("layers", "1")], TraceTo::Surface);
     assert_eq!((surfaces[0].status, surfaces[0].normal[2].abs()), (1, 1.0));
     assert_eq!(status(&stage.one(past, &[])), Status::Hit);
     assert_eq!(status(&stage.one(past, &[("layers", "1"), ("inpainting", "never")])), Status::Hit);
-    assert_eq!(status(&stage.one(stage.ray([0.0, 0.1, 3.0], [1.0, 0.0, 0.1]), &[("layers", "1")])), Status::Occluded);
+    assert_eq!(
+        status(&stage.one(stage.ray([0.0, 0.1, 3.0], [1.0, 0.0, 0.1]), &[("layers", "1")])),
+        Status::BehindLastLayer
+    );
     // Without the wall nothing is behind.
     let plate = rectangle(stage.eye + DVec3::new(-1.0, -30.0, -2.0), DVec3::X * 2.0, DVec3::Y * 60.0);
     let alone = soup(&plate, Some(&stage.gpu));
     let structure = built_by(&stage.tracer, &stage.gpu, &alone, &[("layers", "1")]);
-    let hit = answer(&stage.gpu, &structure, &[past], &[("layers", "1")], EndPoint::Hit).0[0];
-    assert_eq!(status(&hit), Status::Occluded);
+    let hit = answer(&stage.gpu, &structure, &[past], &[("layers", "1")], TraceTo::Hit).0[0];
+    assert_eq!(status(&hit), Status::BehindLastLayer);
 }
 
 /// Proves that rays in all directions from the eye get what the faces show, across their borders too, and that with the frame alone
@@ -340,7 +344,7 @@ fn faces_answer_every_direction() {
     let settings = [&LOSSLESS[..], &[("views", "six"), ("normals", "geometry")]].concat();
     let structure = built_by(&tracer, &gpu, &geometry, &settings);
     for rays in [&outward, &across] {
-        let hits = answer(&gpu, &structure, rays, &settings, EndPoint::Hit).0;
+        let hits = answer(&gpu, &structure, rays, &settings, TraceTo::Hit).0;
         let right = |(ray, hit): &(&Ray, &Hit)| hit.is_hit() && (f64::from(hit.t) / wall(ray) - 1.0).abs() < 1e-3;
         let found = rays.iter().zip(&hits).filter(right).count();
         // Near the box's edges a pixel shows the other wall.
@@ -348,7 +352,7 @@ fn faces_answer_every_direction() {
         assert_eq!(count(&hits, Status::StepCap), 0);
     }
     let structure = built_by(&tracer, &gpu, &geometry, &[]);
-    let hits = answer(&gpu, &structure, &outward, &[], EndPoint::Hit).0;
+    let hits = answer(&gpu, &structure, &outward, &[], TraceTo::Hit).0;
     assert!(count(&hits, Status::LeftViews) > 400, "{}", count(&hits, Status::LeftViews));
 }
 
@@ -362,7 +366,9 @@ pub(crate) fn counted(
     let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
     let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
     let parameters = parameters(settings);
-    structure.trace_counted(TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters }, &mut hits).unwrap()
+    structure
+        .trace_counted(TraceJob { rays: &rays, trace_to: TraceTo::Hit, parameters: &parameters }, &mut hits)
+        .unwrap()
 }
 
 pub(crate) fn of(counters: &[Counter], name: &str) -> u64 {
@@ -410,7 +416,7 @@ fn long_searches_are_given_up() {
     let tracer = Quadtree::new(Arc::clone(&gpu)).unwrap();
     let structure = built_by(&tracer, &gpu, &geometry, &[]);
     let rays = rays(400);
-    let by = |cap: &str| answer(&gpu, &structure, &rays, &[("max_steps", cap)], EndPoint::Hit).0;
+    let by = |cap: &str| answer(&gpu, &structure, &rays, &[("max_steps", cap)], TraceTo::Hit).0;
     let (few, enough) = (by("5"), by("1000"));
     assert!(count(&few, Status::StepCap) > 50 && count(&enough, Status::StepCap) == 0);
     assert_eq!(enough, by("16384"));

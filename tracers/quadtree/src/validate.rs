@@ -11,7 +11,7 @@ use crate::nodes::{Node, Plane};
 use crate::structure::QuadtreeStructure;
 
 /// Pixels of a view that are held against the host's rasterizer at most: every n-th along both axes.
-const MOST_COMPARED: u64 = 4096;
+const MAX_COMPARED: u64 = 4096;
 
 /// Share of z by which the device's f32 may be off.
 const ROUNDING: f64 = 4e-6;
@@ -176,7 +176,7 @@ impl ReadBack<'_> {
                 children.iter().any(|(_, child)| *child != Node::Empty).then(|| "hides something".to_owned())
             }
             Node::Box { least, greatest, holes } => {
-                let joined = if self.shape.is_joined && level == 1 { self.least_joined(image, cell) } else { NO_LIMIT };
+                let joined = if self.shape.is_joined && level == 1 { self.min_joined(image, cell) } else { NO_LIMIT };
                 self.wrong_box([least, greatest], holes, &children, edge, joined)
             }
         };
@@ -223,7 +223,7 @@ impl ReadBack<'_> {
     }
 
     /// Of four pixels the least z of planes beside them at which theirs end: of those that surely do so, and of all that may.
-    fn least_joined(&self, image: usize, cell: [u32; 2]) -> [f64; 2] {
+    fn min_joined(&self, image: usize, cell: [u32; 2]) -> [f64; 2] {
         let [width, height] = self.shape.size().map(i64::from);
         let plane_at = |at: [i64; 2]| {
             let is_there = (0..width).contains(&at[0]) && (0..height).contains(&at[1]);
@@ -336,8 +336,8 @@ impl QuadtreeStructure {
             nodes: bytemuck::cast_slice(&Images::read(gpu, &images.nodes)?).to_vec(),
         };
         let mut counts = Counts::default();
-        let step = (1..).find(|step| shape.pixels() / (step * step) <= MOST_COMPARED).unwrap_or(1) as u32;
-        let border = shape.drawn_by.undecided_border(gpu)?;
+        let step = (1..).find(|step| shape.pixels() / (step * step) <= MAX_COMPARED).unwrap_or(1) as u32;
+        let border = shape.raster_backend.undecided_border(gpu)?;
         let [width, height] = shape.size();
         for (number, view) in shape.views.iter().enumerate() {
             let allowed = allowed_fragments(view, geometry, step, border);

@@ -5,8 +5,8 @@ use tracebench_tests::{Numbers, gpu};
 
 use crate::function_tests::{Call, SIZE, SLACK, call, forest, view};
 
-/// As `MOST_CELLS` in shaders/test/quadtree_functions.wgsl.
-const MOST_CELLS: usize = 64;
+/// As `MAX_CELLS` in shaders/test/quadtree_functions.wgsl.
+const MAX_CELLS: usize = 64;
 
 /// A ray in eye space (z the depth) with the parameters at which it begins and ends.
 struct EyeRay {
@@ -58,7 +58,7 @@ fn eye_rays() -> Vec<EyeRay> {
 fn stray_cells(rays: &[EyeRay], levels: &[u32], reach: f64, found: &[[f32; 4]]) -> (usize, usize) {
     let (mut wrong, mut count) = (0, 0);
     for (index, ray) in rays.iter().enumerate() {
-        let cells = found[2 * index * MOST_CELLS..2 * (index + 1) * MOST_CELLS].chunks(2);
+        let cells = found[2 * index * MAX_CELLS..2 * (index + 1) * MAX_CELLS].chunks(2);
         let cells: Vec<_> = cells.take_while(|cell| cell[1][3] == 1.0).collect();
         count += cells.len();
         let edge = f64::from(1_u32 << levels[index]);
@@ -87,7 +87,7 @@ fn stray_cells(rays: &[EyeRay], levels: &[u32], reach: f64, found: &[[f32; 4]]) 
             wrong += usize::from(!right);
             now = exit;
         }
-        wrong += usize::from(cells.len() < MOST_CELLS && now < 1.0 - slack);
+        wrong += usize::from(cells.len() < MAX_CELLS && now < 1.0 - slack);
     }
     (wrong, count)
 }
@@ -116,7 +116,7 @@ fn ways_over_cells_are_those_of_f64() {
         given: &given,
         words: &[],
         invocations: rays.len(),
-        results: 2 * rays.len() * MOST_CELLS,
+        results: 2 * rays.len() * MAX_CELLS,
         nodes: 0,
     };
     let (found, _) = call(&gpu, &asked);

@@ -1,8 +1,8 @@
 //! The parameters of `screen-dda`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
     /// Where in its step a hit is placed; in the order of the shader's codes.
@@ -20,7 +20,7 @@ choice! {
 }
 
 /// Most layers, as many as the authors' released code has.
-pub(crate) const MOST_LAYERS: u32 = 4;
+pub(crate) const MAX_LAYERS: u32 = 4;
 
 parameters! {
     /// What `screen-dda` is told.
@@ -43,7 +43,7 @@ parameters! {
         /// always at the stored depth
         hit_point: HitPoint = Parameter::choice(Trace, HitPoint::Step),
         /// depths stored at a pixel, the nearest and those behind it: more find what is hidden, for more to draw and to look at
-        layers: u32 = Parameter::integer(Build, 1..=MOST_LAYERS, 1).unit("layers").sweep([1, 2, 4]),
+        layers: u32 = Parameter::integer(Build, 1..=MAX_LAYERS, 1).unit("layers").sweep([1, 2, 4]),
         /// least distance in eye depth of a layer from the one before: more keeps close surfaces from filling all layers, and loses them
         layer_separation: f64 = Parameter::real(Build, 0.0..=1.0, 0.0)
             .unit("scene diagonals")
@@ -53,8 +53,8 @@ parameters! {
         /// how a ray goes over its samples: one after the other, or up and down a pyramid of depth bounds, built for it, which skips
         /// samples that cannot hit; the hits are the same
         march: March = Parameter::choice(Build, March::Pixels),
-        build: DrawnBy = build_parameter(),
-        reads: Reads = reads_parameter(),
+        build: RasterBackend = build_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -63,15 +63,15 @@ parameters! {
 pub(crate) const NO_REFIT: &str = "screen-dda has no shape to keep: its depth buffer is rebuilt or reused";
 
 /// What `screen-dda` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "screen-dda",
         citation: "McGuire, Mara: Efficient GPU Screen-Space Ray Tracing, JCGT 3(4), 2014",
         summary: "perspective-correct DDA over the depth buffer of one view, or over several depth layers",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: DdaParameters::describe(),

@@ -1,8 +1,10 @@
 //! The tracer and its structure.
 
-use tracebench_api::{ImageMarch, Layers, MarchSteps, Parameters, Projection, Sampling, TraceJob, TracerError, View};
+use tracebench_api::{
+    ImageMarch, Layers, MarchSteps, Parameters, Projection, SampledImage, TraceJob, TracerError, View,
+};
 use tracebench_kit::{
-    CellDepths, DeviceTracer, DrawnView, ImageMethod, ImageShape, ImageStructure, Images, rays_within_rounds,
+    CellDepths, DeviceTracer, ImageMethod, ImageShape, ImageStructure, Images, RasterizedView, rays_within_rounds,
 };
 use tracebench_shaders::screen_dda::{Settings, Trace};
 
@@ -29,19 +31,19 @@ impl ImageMethod for DdaMethod {
             backs: parameters.thickness_from == ThicknessFrom::BackFaces,
             separation: parameters.layer_separation,
             pyramid: (parameters.march == March::HiZ).then_some(CellDepths::NearFar),
-            reads: parameters.reads,
-            drawn_by: parameters.build,
+            memory_access: parameters.memory_access,
+            raster_backend: parameters.build,
         })
     }
 
-    fn variant(drawn: &DrawnView, surfaces: bool, counters: bool) -> Trace {
+    fn variant(drawn: &RasterizedView, surfaces: bool, counters: bool) -> Trace {
         let Images { shape, copy, pyramid, .. } = &drawn.images;
         Trace { textures: copy.is_none(), deep: shape.images() > 1, hi_z: pyramid.is_some(), surfaces, counters }
     }
 
-    fn settings(drawn: &DrawnView, job: &TraceJob<'_>) -> Result<(Settings, u32), TracerError> {
+    fn settings(drawn: &RasterizedView, job: &TraceJob<'_>) -> Result<(Settings, u32), TracerError> {
         let parameters = DdaParameters::try_from(job.parameters)?;
-        let DrawnView { view, images, diagonal, .. } = drawn;
+        let RasterizedView { view, images, diagonal, .. } = drawn;
         // A walk along the major axis, and the turn itself.
         let longest = view.size.into_iter().max().unwrap_or(1).div_ceil(parameters.stride) + 3;
         let samples = u64::from(longest.min(parameters.max_steps) + 1);
@@ -68,18 +70,18 @@ impl ImageMethod for DdaMethod {
         Ok((settings, rays_per_lane))
     }
 
-    fn counters(drawn: &DrawnView) -> &'static [&'static str] {
+    fn counters(drawn: &RasterizedView) -> &'static [&'static str] {
         let all = &["depth_samples", "cells_visited"];
         if drawn.images.pyramid.is_some() { all } else { &all[..1] }
     }
 
-    fn touched(drawn: &DrawnView) -> (&'static str, u64) {
+    fn touched(drawn: &RasterizedView) -> (&'static str, u64) {
         ("pixels_touched", drawn.pixels())
     }
 
-    fn samplings(drawn: &DrawnView, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(drawn: &RasterizedView, parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         let DdaParameters { stride, thickness, start_bias, hit_point, .. } = DdaParameters::try_from(parameters)?;
-        let DrawnView { view, images, diagonal, .. } = drawn;
+        let RasterizedView { view, images, diagonal, .. } = drawn;
         let shape = &images.shape;
         let march = Some(ImageMarch {
             steps: MarchSteps::Stride(f64::from(stride)),
@@ -90,10 +92,10 @@ impl ImageMethod for DdaMethod {
             anywhere: hit_point == HitPoint::Step,
         });
         let layers = Layers::of(shape.layers, shape.separation * diagonal, true);
-        Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(*view), layers) }])
+        Ok(vec![SampledImage { march, ..SampledImage::new(Projection::Perspective(*view), layers) }])
     }
 
-    fn statistics(drawn: &DrawnView, covered: &[usize]) -> Vec<(&'static str, f64)> {
+    fn statistics(drawn: &RasterizedView, covered: &[usize]) -> Vec<(&'static str, f64)> {
         let Images { shape, pyramid, .. } = &drawn.images;
         let layers = shape.layers as usize;
         let mut told = vec![("pixels", drawn.pixels() as f64), ("covered_pixels", covered[0] as f64)];

@@ -2,11 +2,11 @@
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, PhaseClock, TracerError};
-use tracebench_kit::{ReadSlot, Readable, Reads, record_copies};
+use tracebench_kit::{MemoryAccess, ReadSlot, Readable, record_copies};
 
 use crate::buffers::Buffers;
 use crate::layout::AXES;
-use crate::nodes::{Placed, TURN_DOWN};
+use crate::nodes::{HINT, Placed};
 
 /// The arrays of shaders/voxel-abuffer. With textures those of all axes are in one, however many buffers they were built in; with
 /// buffers they are those of the first axis, which are all where axes have no buffers of their own.
@@ -22,12 +22,19 @@ impl Arrays {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] beyond the device's limits.
-    pub(crate) fn new(gpu: &Gpu, reads: Reads, buffers: &Buffers, there: Option<&Self>) -> Result<Self, TracerError> {
-        let array = |slot, buffers: &[&Buffer], name, there: Option<&Readable>| match reads {
-            Reads::Buffer => Readable::built(gpu, reads, slot, buffers[0], buffers[0].size(), name, there, TURN_DOWN),
-            Reads::Texture => {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        memory_access: MemoryAccess,
+        buffers: &Buffers,
+        there: Option<&Self>,
+    ) -> Result<Self, TracerError> {
+        let array = |slot, buffers: &[&Buffer], name, there: Option<&Readable>| match memory_access {
+            MemoryAccess::Buffer => {
+                Readable::built(gpu, memory_access, slot, buffers[0], buffers[0].size(), name, there, HINT)
+            }
+            MemoryAccess::Texture => {
                 let sized: Vec<_> = buffers.iter().map(|buffer| (*buffer, buffer.size())).collect();
-                Readable::joined(gpu, slot, &sized, name, there, TURN_DOWN)
+                Readable::joined(gpu, slot, &sized, name, there, HINT)
             }
         };
         let own = |index: usize| there.and_then(|there| there.lists.as_ref()).map(|lists| &lists[index]);
@@ -47,14 +54,14 @@ impl Arrays {
     }
 
     /// How they are read.
-    pub(crate) fn reads(&self) -> Reads {
-        self.cells.reads()
+    pub(crate) fn memory_access(&self) -> MemoryAccess {
+        self.cells.memory_access()
     }
 
     /// Where every axis' nodes and data begin in them.
     pub(crate) fn placed(&self, buffers: &Buffers) -> [Placed; AXES] {
         let Some(lists) = &buffers.lists else { return Default::default() };
-        let first = (self.reads() == Reads::Texture).then(|| {
+        let first = (self.memory_access() == MemoryAccess::Texture).then(|| {
             let [nodes, data] = lists.nodes.buffers();
             let first =
                 |slot: ReadSlot, buffers: Vec<&Buffer>| slot.first_records(buffers.iter().map(|each| each.size()));

@@ -14,7 +14,7 @@ pub(crate) const DIAGONAL_STEP: f64 = 2.25 / 255.0;
 const SLOPE_STEP: f64 = 1.0 / 32_767.0;
 
 /// Planes that rounding turns by more are noise.
-const MOST_OFF: f64 = 1e-2;
+const MAX_OFF: f64 = 1e-2;
 
 /// By how much texels are grown, as `part_margin` there.
 pub(crate) fn part_margin(image: u32) -> f64 {
@@ -179,7 +179,7 @@ impl Facing {
     /// None where another image has it.
     fn of(placed: &Placed, axis: usize, image: u32, material: u32) -> Option<Self> {
         let sizes = placed.across.abs();
-        let noise = placed.off > MOST_OFF || sizes == DVec3::ZERO;
+        let noise = placed.off > MAX_OFF || sizes == DVec3::ZERO;
         let ahead =
             sizes[axis] - (0..AXES).filter(|other| *other != axis).map(|other| sizes[other]).fold(0.0, f64::max);
         let slack = 1e-6 + 4.0 * placed.off;
@@ -204,7 +204,7 @@ impl Facing {
         // A triangle that is all but a line may round to one, which is not stored.
         let inner = Octagon::of(flat(clipped(corners, margin - slack))).filter(|_| !self.unsure);
         let edge = f64::from(image);
-        let noise = self.off > MOST_OFF;
+        let noise = self.off > MAX_OFF;
         let slopes = (self.drawn.slope * edge).clamp(DVec2::NEG_ONE, DVec2::ONE);
         let slope_slack = if noise { 2.0 } else { SLOPE_STEP + 1e-5 + 8.0 * self.off };
         // As the device holds it, by its own slopes: which it does where a part lies beside the triangle, at a texel's corner near a tip.

@@ -4,12 +4,12 @@ use std::num::NonZeroU64;
 
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferBinding};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{DrawnBy, EmptyTarget, storage_buffer};
+use tracebench_kit::{EmptyTarget, RasterBackend, storage_buffer};
 
 use crate::layout::{AXES, AXIS_NAMES, Layout};
-use crate::nodes::{Nodes, TURN_DOWN};
+use crate::nodes::{HINT, Nodes};
 
-const TURN_GRID_DOWN: &str = "voxel-abuffer.grid (or voxel-abuffer.abuffer and --face, where that is 0)";
+const TURN_GRID_DOWN: &str = "voxel-abuffer.grid (or voxel-abuffer.abuffer and --face-size, where that is 0)";
 
 const HEADS: &str = "heads";
 const TAKEN: &str = "fragment counts";
@@ -76,7 +76,7 @@ impl Buffers {
         check_sizes(gpu, layout)?;
         let cells = storage_buffer(gpu, cells_name(layout), u64::from(layout.cell_words()) * 4, TURN_GRID_DOWN)?;
         let lists = if layout.voxels_only { None } else { Some(Lists::new(gpu, layout, nodes)?) };
-        let drawn = layout.drawn_by == DrawnBy::Raster;
+        let drawn = layout.raster_backend == RasterBackend::Raster;
         let target = drawn.then(|| EmptyTarget::new(gpu, TARGET, [layout.image(); 2])).transpose()?;
         Ok(Self { target, cells, lists })
     }
@@ -122,13 +122,13 @@ pub(crate) fn check_sizes(gpu: &Gpu, layout: &Layout) -> Result<(), TracerError>
     let (edge, limit) = (layout.image(), gpu.limits.max_texture_dimension_2d);
     if edge > limit {
         let (bytes, limit) = (u64::from(edge), u64::from(limit));
-        return Err(TracerError::TooLarge { name: TARGET.to_owned(), bytes, limit, turn_down: TURN_DOWN.to_owned() });
+        return Err(TracerError::TooLarge { name: TARGET.to_owned(), bytes, limit, hint: HINT.to_owned() });
     }
     gpu.check_storage_binding(cells_name(layout), u64::from(layout.cell_words()) * 4, TURN_GRID_DOWN)?;
     if layout.voxels_only {
         return Ok(());
     }
-    gpu.check_storage_binding(HEADS, head_bytes(layout), TURN_DOWN)?;
+    gpu.check_storage_binding(HEADS, head_bytes(layout), HINT)?;
     if layout.planes {
         return Ok(());
     }
@@ -141,7 +141,7 @@ fn head_bytes(layout: &Layout) -> u64 {
 
 impl Lists {
     fn new(gpu: &Gpu, layout: &Layout, nodes: [u32; AXES]) -> Result<Self, TracerError> {
-        let heads = storage_buffer(gpu, HEADS, head_bytes(layout), TURN_DOWN)?;
+        let heads = storage_buffer(gpu, HEADS, head_bytes(layout), HINT)?;
         let grid = |name: &str| storage_buffer(gpu, name, u64::from(layout.voxels()) * 4, TURN_GRID_DOWN);
         let summed = || -> Result<Summed, TracerError> {
             let sums = [grid(&sum_name(0))?, grid(&sum_name(1))?, grid(&sum_name(2))?];
@@ -151,7 +151,7 @@ impl Lists {
             heads,
             taken: storage_buffer(gpu, TAKEN, TAKEN_WORDS * 4, "nothing")?,
             summed: (!layout.planes).then(summed).transpose()?,
-            nodes: Nodes::new(gpu, layout.drawn_by, nodes)?,
+            nodes: Nodes::new(gpu, layout.raster_backend, nodes)?,
             head_stride: layout.head_stride(),
         })
     }

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, SearchPipelines,
-    TrianglePass, TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer,
-    uniform_buffer,
+    Canvas, ComputeRaster, DevicePipelines, EmptyTarget, OnDemand, PipelinesOnDemand, RasterBackend, RasterImage,
+    RasterWork, SearchPipelines, TrianglePass, TrianglePipelines, bind_group, check_limits, compute_pipeline,
+    dispatch_linear, storage_buffer, uniform_buffer,
 };
-use tracebench_shaders::Variant;
-use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace, Voxels};
+use tracebench_shaders::Shader;
+use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace};
 
 use crate::buffers::{Buffers, Lists, Summed, check_sizes};
-use crate::layout::{AXES, AveragedGrid, DrawnAxis, Layout};
+use crate::layout::{AXES, AveragedGrid, Layout, RasterizedAxis};
 
 /// As `WORKGROUP_SIZE` in the shaders of shaders/voxel-abuffer.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
@@ -27,23 +27,20 @@ pub struct Pipelines {
     pub(crate) gpu: Arc<Gpu>,
     raster: ComputeRaster,
     raster_of_planes: ComputeRaster,
-    fill: TrianglePipelines<Fill>,
-    planes: TrianglePipelines<Planes>,
+    fill: TrianglePipelines,
+    planes: TrianglePipelines,
     average: OnDemand<(), ComputePipeline>,
-    order: PipelinesOnDemand<Order>,
-    pub(crate) trace: SearchPipelines<Trace>,
-    pub(crate) voxels: PipelinesOnDemand<Voxels>,
+    order: PipelinesOnDemand,
+    pub(crate) trace: SearchPipelines,
+    pub(crate) voxels: PipelinesOnDemand,
 }
 
-impl Pipelines {
-    /// None yet. What every build and trace needs is asked of the device's limits.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        for shader in [
-            Fill::Store { halves: false, compute: false }.into(),
-            Trace::Plain { textures: false, planes: true, surfaces: true, counters: true }.into(),
-        ] {
-            check_limits(&gpu, shader)?;
-        }
+impl DevicePipelines for Pipelines {
+    // None yet. What every build and trace needs is asked of the device's limits.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let traced = Trace::Plain { textures: false, planes: true, surfaces: true, counters: true };
+        check_limits(&gpu, Fill::Store { halves: false }.into(), &["vertex", "fragment"])?;
+        check_limits(&gpu, traced.into(), &["trace"])?;
         Ok(Self {
             raster: ComputeRaster::new(&gpu),
             raster_of_planes: ComputeRaster::of_small(SMALL_OF_PLANES),
@@ -56,13 +53,15 @@ impl Pipelines {
             voxels: PipelinesOnDemand::new("trace"),
         })
     }
+}
 
+impl Pipelines {
     /// The triangles of every image dealt out, where there is no rasterizer.
     fn deal_out(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<RasterWork>, TracerError> {
         let image = |axis: usize| RasterImage::Axis { space: layout.space, axis: axis as u32, touched: layout.planes };
         let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
         let raster = if layout.planes { &self.raster_of_planes } else { &self.raster };
-        raster.prepare_all(&self.gpu, layout.drawn_by, (0..AXES).map(image), device, triangles)
+        raster.prepare_all(&self.gpu, layout.raster_backend, (0..AXES).map(image), device, triangles)
     }
 
     /// The number of fragments along every axis; drawn in the first build, by no phase of it.
@@ -70,7 +69,7 @@ impl Pipelines {
         let gpu = &*self.gpu;
         check_sizes(gpu, layout)?;
         let taken = storage_buffer(gpu, "fragments of the axes", 4 * AXES as u64, "nothing")?;
-        let compute = layout.drawn_by == DrawnBy::Compute;
+        let compute = layout.raster_backend == RasterBackend::Compute;
         let name = "attachment of a count";
         let target = (!compute).then(|| EmptyTarget::new(gpu, name, [layout.image(); 2])).transpose()?;
         let work = self.deal_out(layout, geometry)?;
@@ -82,8 +81,8 @@ impl Pipelines {
             let canvas = Canvas::of(work.get(axis), target.as_ref(), vertices(layout, geometry))?;
             let own = vec![(5, taken.as_entire_binding())];
             let pass = match layout.planes {
-                true => draw(gpu, &self.planes, Planes::Tally { compute }, &drawn, device, own, canvas)?,
-                false => draw(gpu, &self.fill, Fill::Tally { compute }, &drawn, device, own, canvas)?,
+                true => draw(gpu, &self.planes, Planes::Tally, &drawn, device, own, canvas)?,
+                false => draw(gpu, &self.fill, Fill::Tally, &drawn, device, own, canvas)?,
             };
             pass.record(&mut encoder);
         }
@@ -108,12 +107,11 @@ impl Pipelines {
             uniform_buffer(gpu, "drawn axis", &layout.drawn(axis, capacity, half))
         };
         let drawn = [uniform(0)?, uniform(1)?, uniform(2)?];
-        let compute = layout.drawn_by == DrawnBy::Compute;
         let work = self.deal_out(layout, geometry)?;
         let canvas = |axis: usize| Canvas::of(work.get(axis), buffers.target.as_ref(), vertices);
         let Some(lists) = &buffers.lists else {
             let cells = || vec![(9, buffers.cells.as_entire_binding())];
-            let variant = Fill::Voxels { compute };
+            let variant = Fill::Voxels;
             let pass = |axis: usize| draw(gpu, &self.fill, variant, &drawn[axis], device, cells(), canvas(axis)?);
             let passes = [pass(0)?, pass(1)?, pass(2)?];
             RasterWork::record_all(&work, clock)?;
@@ -129,12 +127,12 @@ impl Pipelines {
             own.extend((7..).zip(lists.nodes.data_of(axis)));
             let Some(summed) = &lists.summed else {
                 own.push((9, buffers.cells.as_entire_binding()));
-                let variant = Planes::Store { halves, compute };
+                let variant = Planes::Store { halves };
                 return draw(gpu, &self.planes, variant, &drawn[axis], device, own, canvas(axis)?);
             };
             own.extend((9..).zip(summed.sums.iter().map(Buffer::as_entire_binding)));
             own.push((12, summed.fragments.as_entire_binding()));
-            draw(gpu, &self.fill, Fill::Store { halves, compute }, &drawn[axis], device, own, canvas(axis)?)
+            draw(gpu, &self.fill, Fill::Store { halves }, &drawn[axis], device, own, canvas(axis)?)
         };
         let passes = [pass(0)?, pass(1)?, pass(2)?];
         let averaged = match &lists.summed {
@@ -191,10 +189,10 @@ impl Pipelines {
 }
 
 /// A pass along an axis.
-fn draw<'a, V: Variant>(
+fn draw<'a>(
     gpu: &Gpu,
-    pipelines: &TrianglePipelines<V>,
-    variant: V,
+    pipelines: &TrianglePipelines,
+    variant: impl Into<Shader>,
     drawn: &Buffer,
     device: &DeviceGeometry,
     own: Vec<(u32, BindingResource<'_>)>,
@@ -213,7 +211,11 @@ fn vertices(layout: &Layout, geometry: &Geometry) -> u32 {
 
 /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
 pub(crate) fn build_bytes(layout: &Layout, triangles: u32) -> u64 {
-    let dealt = if layout.drawn_by == DrawnBy::Compute { AXES as u64 * RasterWork::bytes(triangles, true) } else { 0 };
+    let dealt = if layout.raster_backend == RasterBackend::Compute {
+        AXES as u64 * RasterWork::bytes(triangles, true)
+    } else {
+        0
+    };
     let averaged = if layout.voxels_only || layout.planes { 0 } else { size_of::<AveragedGrid>() };
-    (AXES * size_of::<DrawnAxis>() + averaged) as u64 + dealt
+    (AXES * size_of::<RasterizedAxis>() + averaged) as u64 + dealt
 }

@@ -1,8 +1,10 @@
 //! The parameters of `voxel-abuffer`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{DrawnBy, Fit, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_kit::{
+    Fit, MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter,
+};
 
 choice! {
     /// What there is beside the grid.
@@ -113,8 +115,8 @@ parameters! {
             .unit("texels")
             .improved(0.0)
             .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
-        build: DrawnBy = build_parameter(),
-        reads: Reads = reads_parameter(),
+        build: RasterBackend = build_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -123,15 +125,15 @@ parameters! {
 pub(crate) const NO_REFIT: &str = "voxel-abuffer has no shape to keep: its fragments are drawn again or reused";
 
 /// What `voxel-abuffer` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "voxel-abuffer",
         citation: "Hu, Huang, Zhang, Yuan, Li: Ray tracing via GPU rasterization, The Visual Computer 2014",
         summary: "a grid of averaged normals over every fragment of three orthographic images, rays told inside from outside",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Resolution],
         names_primitives: false,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: VoxelParameters::describe(),

@@ -1,11 +1,11 @@
 //! Where the scene lies in the unit cube, how fine its grid and images are, and the uniforms that tell shaders of it.
 
-use tracebench_api::{Geometry, ImageChoice, Sampling, Viewpoint, VoxelGrid};
-use tracebench_kit::DrawnBy;
+use tracebench_api::{Geometry, ImageChoice, SampledImage, Viewpoint, VoxelGrid};
+use tracebench_kit::RasterBackend;
 pub(crate) use tracebench_kit::{UnitSpace, across_and_down, samplings_along_axes, unit_space, voxel_grid};
 
 use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, VoxelParameters};
-pub(crate) use tracebench_shaders::voxel_abuffer::{AveragedGrid, DrawnAxis};
+pub(crate) use tracebench_shaders::voxel_abuffer::{AveragedGrid, RasterizedAxis};
 
 /// Axes, and images.
 pub(crate) const AXES: usize = 3;
@@ -20,7 +20,7 @@ const HEAD_ALIGNMENT: u32 = 64;
 pub(crate) const NORMAL_UNIT: f64 = 256.0;
 
 /// Fragments whose normals sums of 32 bits are sure to hold.
-pub(crate) const MOST_FRAGMENTS: u32 = (1 << 31) / NORMAL_UNIT as u32 - 1;
+pub(crate) const MAX_FRAGMENTS: u32 = (1 << 31) / NORMAL_UNIT as u32 - 1;
 
 /// What is drawn and how it is stored.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub(crate) struct Layout {
     pub averaged: Averaged,
     pub cancelled_below: f64,
     /// What draws.
-    pub drawn_by: DrawnBy,
+    pub raster_backend: RasterBackend,
 }
 
 /// Edge of the images where none is said: two and a half faces, 1280 texels at faces of 512.
@@ -66,7 +66,7 @@ impl Layout {
             fed: parameters.average_from,
             averaged: parameters.average,
             cancelled_below: parameters.cancelled_below,
-            drawn_by: parameters.build,
+            raster_backend: parameters.build,
         }
     }
 
@@ -96,8 +96,8 @@ impl Layout {
     }
 
     /// What a pass along an axis is told.
-    pub(crate) fn drawn(&self, axis: usize, capacity: u32, half_nodes: u32) -> DrawnAxis {
-        DrawnAxis {
+    pub(crate) fn drawn(&self, axis: usize, capacity: u32, half_nodes: u32) -> RasterizedAxis {
+        RasterizedAxis {
             space: self.space,
             axis: axis as u32,
             capacity,
@@ -113,14 +113,14 @@ impl Layout {
     pub(crate) fn averaged_grid(&self) -> AveragedGrid {
         AveragedGrid {
             voxels: self.voxels(),
-            least_length: self.cancelled_below as f32,
-            most_fragments: MOST_FRAGMENTS,
+            min_length: self.cancelled_below as f32,
+            max_fragments: MAX_FRAGMENTS,
             padding: 0,
         }
     }
 
     /// The images that the scene is seen through.
-    pub(crate) fn samplings(&self) -> Vec<Sampling> {
+    pub(crate) fn samplings(&self) -> Vec<SampledImage> {
         samplings_along_axes(&self.space)
     }
 

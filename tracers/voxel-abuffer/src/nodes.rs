@@ -4,13 +4,13 @@ use std::num::NonZeroU64;
 
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferBinding};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{DrawnBy, check_limits, storage_buffer};
+use tracebench_kit::{RasterBackend, check_limits, storage_buffer};
 use tracebench_shaders::voxel_abuffer::{Fill, Trace};
 
 use crate::layout::{AXES, AXIS_NAMES};
 
 /// What takes less room of everything that a build makes.
-pub(crate) const TURN_DOWN: &str = "voxel-abuffer.abuffer (or --face, where that is 0)";
+pub(crate) const HINT: &str = "voxel-abuffer.abuffer (or --face-size, where that is 0)";
 
 /// Bytes of a node: depth and next link; and of its data: normal and material, of planes slopes, part of the texel and material.
 pub(crate) const NODE_BYTES: u64 = 8;
@@ -57,10 +57,10 @@ impl Nodes {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot bind them, not even each axis by itself.
-    pub(crate) fn new(gpu: &Gpu, drawn_by: DrawnBy, needed: [u32; AXES]) -> Result<Self, TracerError> {
+    pub(crate) fn new(gpu: &Gpu, raster_backend: RasterBackend, needed: [u32; AXES]) -> Result<Self, TracerError> {
         let capacities = capacities(gpu, needed)?;
         match Self::whole(gpu, capacities) {
-            Err(error @ TracerError::TooLarge { .. }) if !binds_every_axis(gpu, drawn_by) => Err(error),
+            Err(error @ TracerError::TooLarge { .. }) if !binds_every_axis(gpu, raster_backend) => Err(error),
             Err(TracerError::TooLarge { .. }) => Self::by_axis(gpu, capacities),
             made => made,
         }
@@ -69,10 +69,10 @@ impl Nodes {
     fn whole(gpu: &Gpu, capacities: [u32; AXES]) -> Result<Self, TracerError> {
         let all: u64 = capacities.iter().copied().map(u64::from).sum();
         let buffer = |name: &str, each| {
-            Ok::<_, TracerError>(vec![(name.to_owned(), storage_buffer(gpu, name, all * each, TURN_DOWN)?)])
+            Ok::<_, TracerError>(vec![(name.to_owned(), storage_buffer(gpu, name, all * each, HINT)?)])
         };
         // Of both before either is made.
-        gpu.check_storage_binding(DATA, all * DATA_BYTES, TURN_DOWN)?;
+        gpu.check_storage_binding(DATA, all * DATA_BYTES, HINT)?;
         Ok(Self {
             nodes: buffer(NODES, NODE_BYTES)?,
             data: buffer(DATA, DATA_BYTES)?,
@@ -89,13 +89,13 @@ impl Nodes {
         let (mut nodes, mut data) = (Vec::new(), Vec::new());
         for (axis, capacity) in capacities.into_iter().enumerate() {
             let name = of_axis(NODES, axis);
-            let buffer = storage_buffer(gpu, &name, bytes(capacity, NODE_BYTES), TURN_DOWN)?;
+            let buffer = storage_buffer(gpu, &name, bytes(capacity, NODE_BYTES), HINT)?;
             nodes.push((name, buffer));
             let halves = if half_nodes == u32::MAX { vec![capacity] } else { halves(capacity, half_nodes) };
             for (half, count) in halves.into_iter().enumerate() {
                 let name = format!("{}{}", of_axis(DATA, axis), if half == 0 { "" } else { ", second half" });
                 // Of an axis that needs no second half one is bound all the same.
-                let buffer = storage_buffer(gpu, &name, bytes(count.max(1), DATA_BYTES), TURN_DOWN)?;
+                let buffer = storage_buffer(gpu, &name, bytes(count.max(1), DATA_BYTES), HINT)?;
                 data.push((name, buffer));
             }
         }
@@ -200,15 +200,16 @@ fn capacities(gpu: &Gpu, needed: [u32; AXES]) -> Result<[u32; AXES], TracerError
     let mut capacities = [0; AXES];
     for (axis, count) in needed.into_iter().enumerate() {
         // No binding holds what does not fit the number.
-        gpu.check_storage_binding(&of_axis(NODES, axis), bytes(count, NODE_BYTES), TURN_DOWN)?;
+        gpu.check_storage_binding(&of_axis(NODES, axis), bytes(count, NODE_BYTES), HINT)?;
         capacities[axis] = count.max(1).checked_next_multiple_of(CAPACITY_ALIGNMENT).unwrap_or(count);
     }
     Ok(capacities)
 }
 
 /// Whether the device can bind buffers of their own for every axis at once.
-fn binds_every_axis(gpu: &Gpu, drawn_by: DrawnBy) -> bool {
+fn binds_every_axis(gpu: &Gpu, raster_backend: RasterBackend) -> bool {
     let traced = Trace::Split { planes: true, surfaces: true, counters: true }.into();
-    let filled = Fill::Store { halves: true, compute: drawn_by == DrawnBy::Compute }.into();
-    check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
+    let entries = if raster_backend == RasterBackend::Compute { &["draw"][..] } else { &["vertex", "fragment"] };
+    let fills = || check_limits(gpu, Fill::Store { halves: true }.into(), entries);
+    check_limits(gpu, traced, &["trace"]).and_then(|()| fills()).is_ok()
 }

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob, TracerError,
-    VoxelGrid,
+    Geometry, Ledger, MemoryEntry, MemoryReport, Parameters, SampledImage, TraceJob, TracerError, VoxelGrid,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, grow};
 
@@ -33,21 +32,14 @@ impl DeviceStructure for VoxelStructure {
 
     const NO_REFIT: &'static str = NO_REFIT;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let gpu = &*pipelines.gpu;
         let parameters = VoxelParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);
-        let sizes =
-            |layout: &Layout| (layout.voxels_only, layout.planes, layout.image(), layout.space.grid, layout.drawn_by);
+        let sizes = |layout: &Layout| {
+            (layout.voxels_only, layout.planes, layout.image(), layout.space.grid, layout.raster_backend)
+        };
         let nodes_before = |before: &Self| before.buffers.lists.as_ref().map(|lists| lists.nodes.capacities);
         let buffers = match before {
             Some(before) if sizes(&layout) == sizes(&before.layout) => before.buffers.clone(),
@@ -55,14 +47,14 @@ impl DeviceStructure for VoxelStructure {
             None if layout.voxels_only => Buffers::new(gpu, &layout, [0; AXES])?,
             None => Buffers::new(gpu, &layout, pipelines.tally(&layout, geometry)?)?,
         };
-        let arrays = Arrays::new(gpu, parameters.reads, &buffers, before.map(|before| &before.arrays))?;
+        let arrays = Arrays::new(gpu, parameters.memory_access, &buffers, before.map(|before| &before.arrays))?;
         pipelines.build(&layout, &buffers, geometry, clock)?;
         arrays.record_copies(clock)?;
         let triangle_count = geometry.triangles.len() as u32;
         Ok(Self { pipelines: Arc::clone(pipelines), layout, buffers, arrays, triangle_count })
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let taken = self.buffers.taken(gpu)?;
         let Some(lists) = &mut self.buffers.lists else { return Ok(false) };
@@ -70,14 +62,14 @@ impl DeviceStructure for VoxelStructure {
         if fits {
             return check(&taken).map(|()| false);
         }
-        let (reads, drawn_by) = (self.arrays.reads(), self.layout.drawn_by);
+        let (memory_access, raster_backend) = (self.arrays.memory_access(), self.layout.raster_backend);
         let there = lists.nodes.capacities;
         grow(&taken.fragments, |counts| {
             // An axis that fits keeps what it has.
-            lists.nodes = Nodes::new(gpu, drawn_by, std::array::from_fn(|axis| counts[axis].max(there[axis])))?;
+            lists.nodes = Nodes::new(gpu, raster_backend, std::array::from_fn(|axis| counts[axis].max(there[axis])))?;
             Ok(())
         })?;
-        self.arrays = Arrays::new(gpu, reads, &self.buffers, Some(&self.arrays))?;
+        self.arrays = Arrays::new(gpu, memory_access, &self.buffers, Some(&self.arrays))?;
         Ok(true)
     }
 
@@ -97,7 +89,7 @@ impl DeviceStructure for VoxelStructure {
         Ok(vec![MemoryEntry::whole("search", size_of::<VoxelSearch>() as u64)])
     }
 
-    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         Ok(self.layout.samplings())
     }
 

@@ -1,10 +1,10 @@
 //! Tracing on the device.
 
 use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
-use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_api::{Counter, HitBuffer, PhaseClock, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds,
-    record_searches, uniform_buffer, untimed,
+    Left, MemoryAccess, RayCounts, Search, SearchJob, SearchedRays, TraceCounts, bind_arrays, bind_group,
+    bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
 
@@ -20,7 +20,7 @@ const COUNTERS: [&str; 6] =
 
 /// Why voxels alone have no surfaces.
 const NO_SURFACES: &str =
-    "voxels alone have no normals and materials to give: choose voxel-abuffer.structure=two-level, or --end hit";
+    "voxels alone have no normals and materials to give: choose voxel-abuffer.structure=two-level, or --trace-to hit";
 
 impl VoxelStructure {
     fn search(
@@ -43,8 +43,8 @@ impl VoxelStructure {
     }
 
     /// Whether a trace reads more of a layer than its depth and facing.
-    fn reads_data(&self, end: EndPoint, parameters: &VoxelParameters) -> bool {
-        end == EndPoint::Surface || self.layout.planes || parameters.depths == Depths::Plane
+    fn reads_data(&self, trace_to: TraceTo, parameters: &VoxelParameters) -> bool {
+        trace_to == TraceTo::Surface || self.layout.planes || parameters.depths == Depths::Plane
     }
 
     /// The same through voxels alone.
@@ -55,15 +55,15 @@ impl VoxelStructure {
         counts: Option<&Buffer>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             return Err(TracerError::Unsupported(NO_SURFACES.to_owned()));
         }
         let gpu = &*self.pipelines.gpu;
         let mut search = self.search(job, &VoxelParameters::try_from(job.parameters)?, None)?;
         // Through the grid along every axis, and the turn itself.
-        let most_rounds = u64::from(3 * search.space.grid + 2);
-        search.rays_per_lane = rays_within_rounds(search.rays_per_lane, most_rounds);
-        let textures = self.arrays.reads() == Reads::Texture;
+        let max_rounds = u64::from(3 * search.space.grid + 2);
+        search.rays_per_lane = rays_within_rounds(search.rays_per_lane, max_rounds);
+        let textures = self.arrays.memory_access() == MemoryAccess::Texture;
         let pipeline = self.pipelines.voxels.of(gpu, Voxels { textures, counters: counts.is_some() })?;
         let settings = uniform_buffer(gpu, "search", &search)?;
         let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hits.on_device(job.rays.host.len())?)];
@@ -80,21 +80,16 @@ impl VoxelStructure {
 impl Search for VoxelStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let Some(lists) = &self.buffers.lists else { return self.record_voxels(job, hits, None, clock) };
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
         let count = job.rays.host.len();
-        let textures = self.arrays.reads() == Reads::Texture;
+        let textures = self.arrays.memory_access() == MemoryAccess::Texture;
         let parameters = VoxelParameters::try_from(job.parameters)?;
-        let (surfaces, counters) = (job.end == EndPoint::Surface, counting.is_some());
-        let reads_data = self.reads_data(job.end, &parameters);
+        let (surfaces, counters) = (job.trace_to == TraceTo::Surface, counting.is_some());
+        let reads_data = self.reads_data(job.trace_to, &parameters);
         let planes = parameters.depths == Depths::Plane;
         let split = lists.nodes.is_by_axis() && !textures;
         let variant = match (self.layout.planes, split) {
@@ -112,7 +107,7 @@ impl Search for VoxelStructure {
         }
         bound.extend(counting.map(|counting| (4, &counting.buffer)));
         let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let bind = |pipeline: &ComputePipeline| {
+        let bind = |pipeline: &ComputePipeline, _| {
             let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound)];
             groups.push(bind_arrays(gpu, pipeline, &self.arrays.bound(reads_data)));
             if split {
@@ -120,8 +115,9 @@ impl Search for VoxelStructure {
             }
             groups
         };
-        let searches = pipelines.trace.searches(gpu, variant, search.rays_per_lane, bind)?;
-        record_searches(&searches, search.ray_count, hit_buffer, clock)
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        pipelines.trace.record(gpu, variant, rays, bind, clock)
     }
 
     fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
@@ -135,8 +131,8 @@ impl Search for VoxelStructure {
         // Of nodes and of their data.
         let things = [u64::from(lists.nodes.capacity()); 2];
         let counting = TraceCounts::new(gpu, things, &COUNTERS, count, "--size or voxel-abuffer.abuffer")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
-        let reads_data = self.reads_data(job.end, &VoxelParameters::try_from(job.parameters)?);
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
+        let reads_data = self.reads_data(job.trace_to, &VoxelParameters::try_from(job.parameters)?);
         let mut counters = counting.counters(gpu, ["fragments_touched", "payloads_touched"])?;
         counters.retain(|counter| reads_data || counter.name != "payloads_touched");
         // Planes tell nothing inside from outside.

@@ -12,7 +12,7 @@ use crate::layout::{AXES, AXIS_NAMES, Layout, NORMAL_UNIT, across_and_down};
 use crate::structure::{VoxelStructure, check};
 
 /// Texels of an image that are held against the host's rasterizer at most: every n-th along both edges.
-const MOST_COMPARED: u64 = 4096;
+const MAX_COMPARED: u64 = 4096;
 
 /// Voxels with something whose code is that.
 const CANCELLED: u32 = 4;
@@ -88,7 +88,7 @@ impl VoxelStructure {
     pub(crate) fn validate_against(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let layout = &self.layout;
         let texels = u64::from(layout.texels());
-        let step = (1..).find(|step| texels / (step * step) <= MOST_COMPARED).unwrap_or(1) as u32;
+        let step = (1..).find(|step| texels / (step * step) <= MAX_COMPARED).unwrap_or(1) as u32;
         let codes = self.voxel_codes()?;
         let count = |is: &dyn Fn(u32) -> bool| codes.iter().filter(|code| is(**code)).count() as f64;
         let mut statistics = vec![
@@ -100,7 +100,7 @@ impl VoxelStructure {
             statistics.extend(self.validate_planes(lists, geometry, step, &codes)?);
             return Ok(statistics);
         }
-        let border = layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
+        let border = layout.raster_backend.undecided_border(&self.pipelines.gpu)?;
         let allowed = |axis| allowed_layers(layout.space, geometry, axis, step, border);
         let allowed: [AllowedLayers; AXES] = std::array::from_fn(allowed);
         self.check_voxels(geometry, &allowed, &codes)?;
@@ -143,7 +143,7 @@ impl VoxelStructure {
         codes: &[u32],
     ) -> Result<(), TracerError> {
         let space = self.layout.space;
-        let border = self.layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
+        let border = self.layout.raster_backend.undecided_border(&self.pipelines.gpu)?;
         let touched = touched_voxels(space, geometry, border, |_| true);
         if let Some(voxel) = codes.iter().zip(&touched).position(|(code, touched)| *code != 0 && !touched) {
             return fail(format!("voxel {voxel} is marked, and no triangle touches it"));
@@ -317,12 +317,12 @@ impl VoxelStructure {
 }
 
 /// Whether a voxel's code follows from its sums, but for rounding.
-fn code_fits(code: u32, fragments: u32, sum: DVec3, least_length: f64) -> bool {
+fn code_fits(code: u32, fragments: u32, sum: DVec3, min_length: f64) -> bool {
     if fragments == 0 || code == 0 {
         return (fragments == 0) == (code == 0);
     }
     let fed = f64::from(fragments & !ANY_FRAGMENT);
-    let (length, limit) = (sum.length(), least_length * fed);
+    let (length, limit) = (sum.length(), min_length * fed);
     if code == CANCELLED {
         return length <= limit * (1.0 + 1e-5);
     }

@@ -6,7 +6,7 @@ use tracebench_kit::{bind_group_at, dispatch_linear, storage_buffer};
 
 use crate::counts::{Counts, TAKEN_WORDS, Taken};
 use crate::kernels::{Kernels, WORKGROUP_SIZE};
-use crate::layout::{Layout, TURN_DOWN};
+use crate::layout::{HINT, Layout};
 use crate::scratch::Scratch;
 
 /// Bytes of a node: its first child and which it has; and of a leaf: normal and material.
@@ -65,7 +65,7 @@ impl Tree {
     /// [`TracerError::TooLarge`] beyond the device's limits, which says what to turn down.
     pub(crate) fn new(kernels: &Kernels, layout: &Layout, room: Counts) -> Result<Self, TracerError> {
         let gpu = &*kernels.gpu;
-        let buffer = |name: &str, count: u32, each: u64| storage_buffer(gpu, name, u64::from(count) * each, TURN_DOWN);
+        let buffer = |name: &str, count: u32, each: u64| storage_buffer(gpu, name, u64::from(count) * each, HINT);
         Ok(Self {
             nodes: buffer(NODES, room.nodes_before(layout.levels), NODE_BYTES)?,
             leaves: buffer(LEAVES, room.leaves(layout.levels), LEAF_BYTES)?,

@@ -3,10 +3,10 @@
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, TracerError};
 
-use crate::layout::{MOST_LEVELS, TURN_DOWN};
+use crate::layout::{HINT, MAX_LEVELS};
 
 /// Depths of nodes, and that of leaves below them.
-const DEPTHS: usize = MOST_LEVELS as usize + 1;
+const DEPTHS: usize = MAX_LEVELS as usize + 1;
 
 /// Words of what shaders count: as in shaders/voxel-octree/settings.wgsl.
 pub(crate) const TAKEN_WORDS: u64 = 16;
@@ -77,7 +77,7 @@ fn indexed(name: &str, words: &[u32], first: usize) -> Result<u32, TracerError> 
         name: name.to_owned(),
         bytes: count.saturating_mul(4),
         limit: u64::from(u32::MAX) * 4,
-        turn_down: TURN_DOWN.to_owned(),
+        hint: HINT.to_owned(),
     })
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
-use tracebench_kit::{PipelinesOnDemand, PrefixSum, RadixSort, check_limits, compute_pipeline};
+use tracebench_kit::{DevicePipelines, PipelinesOnDemand, PrefixSum, RadixSort, check_limits, compute_pipeline};
 use tracebench_shaders::voxel_octree::{LEAVES, LEVELS, Trace, VOXELIZE};
 
 /// As `WORKGROUP_SIZE` in shaders/voxel-octree/settings.wgsl.
@@ -25,14 +25,14 @@ pub struct Kernels {
     pub(crate) finish: ComputePipeline,
     pub(crate) mark_nodes: ComputePipeline,
     pub(crate) join: ComputePipeline,
-    pub(crate) trace: PipelinesOnDemand<Trace>,
+    pub(crate) trace: PipelinesOnDemand,
 }
 
-impl Kernels {
-    /// Compiles those of builds.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Kernels {
+    // Compiles those of builds.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         for trace in <Trace as tracebench_shaders::Variant>::ALL {
-            check_limits(&gpu, (*trace).into())?;
+            check_limits(&gpu, (*trace).into(), &["trace"])?;
         }
         let voxelize = |entry_point| compute_pipeline(&gpu, VOXELIZE, entry_point);
         let leaves = |entry_point| compute_pipeline(&gpu, LEAVES, entry_point);

@@ -9,13 +9,13 @@ use crate::description::{HitPlace, OctreeParameters};
 pub(crate) use tracebench_shaders::voxel_octree::{OctreeBuild, OctreeLevel, OctreeSearch};
 
 /// The most levels: keys of 30 bits have three for each.
-pub(crate) const MOST_LEVELS: u32 = 10;
+pub(crate) const MAX_LEVELS: u32 = 10;
 
 /// Voxels of an edge by texels of a face, at least, where no number of levels is said: 1024 at 512.
 const VOXELS_OF_TEXEL: u32 = 2;
 
 /// What takes less room of everything that a build makes.
-pub(crate) const TURN_DOWN: &str = "voxel-octree.levels (or --face, where that is 0)";
+pub(crate) const HINT: &str = "voxel-octree.levels (or --face-size, where that is 0)";
 
 /// The grid whose voxels are leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +31,8 @@ fn auto_levels(face: u32) -> u32 {
     face.max(1)
         .saturating_mul(VOXELS_OF_TEXEL)
         .checked_next_power_of_two()
-        .map_or(MOST_LEVELS, u32::ilog2)
-        .min(MOST_LEVELS)
+        .map_or(MAX_LEVELS, u32::ilog2)
+        .min(MAX_LEVELS)
 }
 
 impl Layout {

@@ -1,5 +1,5 @@
-//! `voxel-octree`: ray tracing through a sparse voxel octree, what Hu, Huang, Zhang, Yuan, Li (*Ray tracing via GPU rasterization*, The Visual
-//! Computer 2014, Table 1) set their method beside.
+//! `voxel-octree`: ray tracing through a sparse voxel octree, what Hu, Huang, Zhang, Yuan, Li (*Ray tracing via GPU rasterization*, The
+//! Visual Computer 2014, Table 1) set their method beside.
 //!
 //! Crassin, Neyret, Sainz, Green, Eisemann, *Interactive Indirect Illumination Using Voxel Cone Tracing*, Computer Graphics Forum 30(7),
 //! 2011, without the cones: rays end at leaves, exactly. Every triangle is cut into the voxels that it touches, those are sorted along

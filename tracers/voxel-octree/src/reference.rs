@@ -12,8 +12,8 @@ pub(crate) const SLACK: f64 = 1.0 / 512.0;
 /// Within which distance of that the device may decide either way, voxels: where f32 puts corners and cuts.
 pub(crate) const ROUNDING: f64 = 1.0 / 1024.0;
 
-/// As `LEAST_LENGTH` in shaders/voxel-octree/leaves.wgsl.
-pub(crate) const LEAST_LENGTH: f64 = 0.0625;
+/// As `MIN_LENGTH` in shaders/voxel-octree/leaves.wgsl.
+pub(crate) const MIN_LENGTH: f64 = 0.0625;
 
 /// Sine of the angle between a triangle's edges below which its normal in f32 is noise, and may be none.
 const THIN: f64 = 1e-3;
@@ -70,13 +70,13 @@ impl Triangle {
 
 /// A node or leaf of the tree by its place: `depth` below the root, of so many along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct CellPosition {
     pub depth: u32,
     /// Of all at its depth, along Morton's curve.
     pub key: u32,
 }
 
-impl Place {
+impl CellPosition {
     pub(crate) const ROOT: Self = Self { depth: 0, key: 0 };
 
     pub(crate) fn child(self, part: u32) -> Self {
@@ -93,8 +93,8 @@ impl Place {
 pub(crate) fn voxels_of(
     triangle: &Triangle,
     levels: u32,
-    wanted: &dyn Fn(Place) -> bool,
-    place: Place,
+    wanted: &dyn Fn(CellPosition) -> bool,
+    place: CellPosition,
     found: &mut dyn FnMut(u32, bool),
 ) {
     if !wanted(place) {
@@ -120,7 +120,7 @@ mod tests {
     /// Keys interleave x, y, z from the lowest bit on, a level every three bits.
     #[test]
     fn places_are_found_from_keys() {
-        let place = [5, 0, 7].into_iter().fold(Place::ROOT, Place::child);
+        let place = [5, 0, 7].into_iter().fold(CellPosition::ROOT, CellPosition::child);
         assert_eq!((place.key, place.cell()), (0o507, [0b101, 0b001, 0b101]));
     }
 

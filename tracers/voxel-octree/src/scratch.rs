@@ -6,7 +6,7 @@ use tracebench_kit::{PrefixSumPlan, RadixSortPlan, storage_buffer, uniform_buffe
 
 use crate::counts::Counts;
 use crate::kernels::Kernels;
-use crate::layout::{Layout, TURN_DOWN};
+use crate::layout::{HINT, Layout};
 
 /// The buffers, for so many of each thing.
 pub(crate) struct Scratch {
@@ -35,7 +35,7 @@ pub(crate) struct Scratch {
 
 /// A buffer of words.
 fn words(gpu: &Gpu, name: &str, count: u64) -> Result<Buffer, TracerError> {
-    storage_buffer(gpu, name, count * 4, TURN_DOWN)
+    storage_buffer(gpu, name, count * 4, HINT)
 }
 
 impl Scratch {

@@ -3,19 +3,18 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob, TracerError,
-    VoxelGrid,
+    Geometry, Ledger, MemoryEntry, MemoryReport, Parameters, SampledImage, TraceJob, TracerError, VoxelGrid,
 };
 use tracebench_kit::{
-    BuildJob, DeviceStructure, DeviceTracer, ReadSlot, Readable, Reads, grow, record_copies, samplings_along_axes,
-    voxel_grid,
+    BuildJob, DeviceStructure, DeviceTracer, MemoryAccess, ReadSlot, Readable, grow, record_copies,
+    samplings_along_axes, voxel_grid,
 };
 
 use crate::build::{LEAF_BYTES, LEAVES, NODE_BYTES, NODES, Scene, TAKEN, Tree};
 use crate::counts::{Counts, Taken};
 use crate::description::{NO_REFIT, OctreeParameters};
 use crate::kernels::Kernels;
-use crate::layout::{Layout, OctreeSearch, TURN_DOWN};
+use crate::layout::{HINT, Layout, OctreeSearch};
 
 /// The tracer.
 pub type VoxelOctree = DeviceTracer<OctreeStructure>;
@@ -35,13 +34,13 @@ pub struct OctreeStructure {
 /// Nodes and leaves of a tree as searches read them, in the textures of `there` where these have room.
 fn readable(
     kernels: &Kernels,
-    reads: Reads,
+    memory_access: MemoryAccess,
     tree: &Tree,
     there: Option<&[Readable; 2]>,
 ) -> Result<[Readable; 2], TracerError> {
     let array = |slot, buffer, name, place: usize| {
         let there = there.map(|there| &there[place]);
-        Readable::built(&kernels.gpu, reads, slot, buffer, buffer.size(), name, there, TURN_DOWN)
+        Readable::built(&kernels.gpu, memory_access, slot, buffer, buffer.size(), name, there, HINT)
     };
     Ok([
         array(ReadSlot::Pairs0, &tree.nodes, "nodes (texture)", 0)?,
@@ -54,16 +53,8 @@ impl DeviceStructure for OctreeStructure {
 
     const NO_REFIT: &'static str = NO_REFIT;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Kernels, TracerError> {
-        Kernels::new(gpu)
-    }
-
-    fn build(
-        pipelines: &Arc<Kernels>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Kernels>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = OctreeParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);
         let scene = Scene::of(pipelines, geometry)?;
@@ -72,13 +63,13 @@ impl DeviceStructure for OctreeStructure {
             Some(before) if layout.levels == before.layout.levels => before.tree.clone(),
             _ => Tree::new(pipelines, &layout, pipelines.tally(&layout, &scene)?)?,
         };
-        let arrays = readable(pipelines, parameters.reads, &tree, before.map(|before| &before.arrays))?;
+        let arrays = readable(pipelines, parameters.memory_access, &tree, before.map(|before| &before.arrays))?;
         let scratch_bytes = pipelines.build(&layout, &scene, &tree, clock)?;
         record_copies(&arrays, clock)?;
         Ok(Self { kernels: Arc::clone(pipelines), layout, scene, tree, arrays, scratch_bytes })
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         let taken = Taken::read(&self.kernels.gpu, &self.tree.taken)?;
         // Where one stage had no room, those behind it counted too few.
         if self.tree.room.hold(&taken.counts(self.layout.levels)?) {
@@ -91,7 +82,7 @@ impl DeviceStructure for OctreeStructure {
             Ok(())
         })?;
         if let Some(tree) = made {
-            self.arrays = readable(&self.kernels, self.arrays[0].reads(), &tree, Some(&self.arrays))?;
+            self.arrays = readable(&self.kernels, self.arrays[0].memory_access(), &tree, Some(&self.arrays))?;
             self.tree = tree;
         }
         Ok(true)
@@ -120,7 +111,7 @@ impl DeviceStructure for OctreeStructure {
         Ok(vec![MemoryEntry::whole("search", size_of::<OctreeSearch>() as u64)])
     }
 
-    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         // A voxel is a texel of the images along all three axes.
         Ok(samplings_along_axes(&self.layout.space))
     }

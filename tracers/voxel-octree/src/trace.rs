@@ -1,8 +1,9 @@
 //! Tracing on the device.
 
-use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_api::{Counter, HitBuffer, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    Reads, Search, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
+    MemoryAccess, Search, SearchJob, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds,
+    uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_octree::Trace;
 
@@ -14,11 +15,11 @@ use crate::structure::OctreeStructure;
 const COUNTERS: [&str; 2] = ["nodes_visited", "steps"];
 
 /// Rounds of the loop that a ray takes at most.
-fn most_rounds(layout: &Layout, traversal: Traversal) -> u64 {
+fn max_rounds(layout: &Layout, traversal: Traversal) -> u64 {
     let (edge, levels) = (u64::from(layout.edge()), u64::from(layout.levels));
-    // As many steps as there are voxels along all three axes, each with the way down from the root; or from the node that holds both voxels:
-    // a side of that of some depth is crossed two to its power times an axis, and the way down from there is the rest of the levels, so that all
-    // ways together are no more than twice the steps.
+    // As many steps as there are voxels along all three axes, each with the way down from the root; or from the node that holds both
+    // voxels: a side of that of some depth is crossed two to its power times an axis, and the way down from there is the rest of the
+    // levels, so that all ways together are no more than twice the steps.
     match traversal {
         Traversal::Restart => 3 * edge * (levels + 1),
         Traversal::Stack => 9 * edge + levels,
@@ -28,25 +29,20 @@ fn most_rounds(layout: &Layout, traversal: Traversal) -> u64 {
 impl Search for OctreeStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let gpu = &*self.kernels.gpu;
         let parameters = OctreeParameters::try_from(job.parameters)?;
         let count = job.rays.host.len();
-        let surfaces = job.end == EndPoint::Surface;
+        let surfaces = job.trace_to == TraceTo::Surface;
         let variant = Trace {
-            textures: self.arrays[0].reads() == Reads::Texture,
+            textures: self.arrays[0].memory_access() == MemoryAccess::Texture,
             stack: parameters.traversal == Traversal::Stack,
             surfaces,
             counters: counting.is_some(),
         };
         let rays_per_lane =
-            rays_within_rounds(parameters.rays_per_lane, most_rounds(&self.layout, parameters.traversal));
+            rays_within_rounds(parameters.rays_per_lane, max_rounds(&self.layout, parameters.traversal));
         let mut search = self.layout.search(job, &parameters, rays_per_lane);
         if let Some(TraceCounts { bit_words: [nodes, leaves], .. }) = counting {
             (search.touched_words, search.first_leaf_bit) = (nodes + leaves, nodes * 32);
@@ -72,7 +68,7 @@ impl Search for OctreeStructure {
         let (room, levels) = (&self.tree.room, self.layout.levels);
         let things = [room.nodes_before(levels), room.leaves(levels)].map(u64::from);
         let counting = TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size or voxel-octree.levels")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         counting.counters(gpu, ["nodes_touched", "leaves_touched"])
     }
 }

@@ -6,11 +6,11 @@ use tracebench_api::glam::DVec3;
 use tracebench_api::{Geometry, TracerError};
 
 use crate::counts::Taken;
-use crate::reference::{LEAST_LENGTH, Place, Triangle, voxels_of};
+use crate::reference::{CellPosition, MIN_LENGTH, Triangle, voxels_of};
 use crate::structure::OctreeStructure;
 
 /// Leaves that are held against triangles at most: those of every n-th part of the cube.
-const MOST_COMPARED: u32 = 1 << 17;
+const MAX_COMPARED: u32 = 1 << 17;
 
 /// Levels of such a part.
 const PART_LEVELS: u32 = 3;
@@ -106,16 +106,17 @@ impl OctreeStructure {
     pub(crate) fn check(&self, stored: &Stored, geometry: &Geometry) -> Result<usize, TracerError> {
         let levels = self.layout.levels;
         let keys = stored.keys()?;
-        // Parts of the cube are taken by what is no pattern of theirs, so that other places of a scene are seen than every n-th along the curve.
+        // Parts of the cube are taken by what is no pattern of theirs, so that other places of a scene are seen than every n-th along the
+        // curve.
         let part_levels = levels.saturating_sub(PART_LEVELS);
-        let every = (keys.len() as u32).div_ceil(MOST_COMPARED).max(1);
+        let every = (keys.len() as u32).div_ceil(MAX_COMPARED).max(1);
         let is_part = |key: u32| (key.wrapping_mul(0x9e37_79b1) >> 8).is_multiple_of(every);
-        let wanted = |place: Place| place.depth != part_levels || is_part(place.key);
+        let wanted = |place: CellPosition| place.depth != part_levels || is_part(place.key);
         let mut met: BTreeMap<u32, Vec<(u32, bool)>> = BTreeMap::new();
         let triangles: Vec<Triangle> =
             (0..geometry.triangles.len() as u32).map(|index| Triangle::of(&self.layout, geometry, index)).collect();
         for (primitive, triangle) in (0..).zip(&triangles) {
-            voxels_of(triangle, levels, &wanted, Place::ROOT, &mut |key, must| {
+            voxels_of(triangle, levels, &wanted, CellPosition::ROOT, &mut |key, must| {
                 met.entry(key).or_default().push((primitive, must));
             });
         }
@@ -164,10 +165,10 @@ impl OctreeStructure {
         let count = within.len() as f64;
         let average = within.iter().map(|(primitive, _)| triangles[*primitive as usize].normal).sum::<DVec3>() / count;
         let length = average.abs().max_element();
-        if (length - LEAST_LENGTH).abs() < NORMAL_SLACK {
+        if (length - MIN_LENGTH).abs() < NORMAL_SLACK {
             return Ok(());
         }
-        let expected = if length > LEAST_LENGTH { average } else { triangles[within[0].0 as usize].normal };
+        let expected = if length > MIN_LENGTH { average } else { triangles[within[0].0 as usize].normal };
         let off = (normal - expected.normalize_or_zero()).length();
         match off > NORMAL_SLACK / expected.length() * 4.0 {
             true => Err(format!("the normal {normal} instead of {}", expected.normalize_or_zero())),

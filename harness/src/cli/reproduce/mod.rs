@@ -14,7 +14,7 @@ use super::output::print;
 use super::work::{fresh_folder, refuse_another};
 use super::{CliError, page as html, stop};
 use crate::files::{self, OutputFolder};
-use crate::means;
+use crate::launch;
 use crate::plan::RUN_PRESETS;
 use crate::progress::{self, Progress};
 use crate::report;
@@ -81,7 +81,7 @@ struct Taken {
     took_s: f64,
 }
 
-/// What stands in the folder of all.
+/// What is in the folder of all.
 #[derive(Debug, Deserialize, Serialize)]
 struct Reproduction {
     preset: Option<String>,
@@ -96,7 +96,7 @@ const ANSWER: &str = "report.html";
 
 /// Kept for the report, share of the time that is given, and at most.
 const REPORT_SHARE: f64 = 0.05;
-const MOST_REPORT: Duration = Duration::from_secs(15);
+const MAX_REPORT: Duration = Duration::from_secs(15);
 
 /// How long pages may be behind what was measured: whoever breaks off has those of the steps until then.
 const PAGES_EVERY: Duration = Duration::from_secs(120);
@@ -105,7 +105,7 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
     let begun = Instant::now();
     let whole = arguments.budget == Budget::Whole;
     let ends = match arguments.budget {
-        Budget::Within(time) => Some(begun + time - MOST_REPORT.min(time.mul_f64(REPORT_SHARE))),
+        Budget::Within(time) => Some(begun + time - MAX_REPORT.min(time.mul_f64(REPORT_SHARE))),
         Budget::Whole => None,
     };
     let is_over = || ends.is_some_and(|ends| Instant::now() >= ends);
@@ -150,7 +150,7 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
             found.steps[index].state = State::BrokenOff;
             write(&folder, &found)?;
         }
-        let turn = Turn { step, folder: out.join(&step.name), ends, means: means_of(out), progress };
+        let turn = Turn { step, folder: out.join(&step.name), ends, launch: launch_of(out), progress };
         let passed = begun.elapsed().as_secs();
         let what = format!("{} of {}, after {passed} s: {}", index + 1, all.len(), step.arguments.join(" "));
         let Some((now, seconds)) = turn.take(&state, &what)? else {
@@ -271,14 +271,14 @@ fn with_preset(mut steps: Vec<Step>, preset: Option<&str>) -> Vec<Step> {
 }
 
 /// The means of the first step that has ended: all others take the same, and none probes again.
-fn means_of(out: &Path) -> Option<String> {
-    if std::env::var_os(means::VARIABLE).is_some_and(|text| !text.is_empty()) {
+fn launch_of(out: &Path) -> Option<String> {
+    if std::env::var_os(launch::VARIABLE).is_some_and(|text| !text.is_empty()) {
         return None;
     }
     let found = read(out).ok()?;
     let done = found.steps.iter().filter(|one| one.state == State::Done);
-    done.filter_map(|one| report::read_run(&out.join(&one.name)).ok()?.provenance.means)
-        .map(|record| record.means.words())
+    done.filter_map(|one| report::read_run(&out.join(&one.name)).ok()?.provenance.launch)
+        .map(|record| record.launch.describe())
         .next()
 }
 

@@ -36,19 +36,19 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
         took.as_secs()
     );
     let sheet = Sheet::<&Taken>::new()
-        .told("step", |step| step.name.clone())
-        .told("state", |step| match &step.state {
+        .column("step", |step| step.name.clone())
+        .column("state", |step| match &step.state {
             State::Done => "measured".to_owned(),
             State::BrokenOff => "broken off, gone on with by `--resume`".to_owned(),
             State::Failed(reason) => format!("failed: {reason}"),
             State::LeftOut => "left out".to_owned(),
         })
-        .told("took (s)", |step| format!("{:.0}", step.took_s))
-        .told("pages", |step| {
+        .column("took (s)", |step| format!("{:.0}", step.took_s))
+        .column("pages", |step| {
             let links = pages(step).into_iter().map(|page| format!("[{page}]({}/{page})", step.name));
             links.collect::<Vec<_>>().join(", ")
         })
-        .told("by itself", |step| command(step));
+        .column("by itself", |step| command(step));
     let (left, taken): (Vec<&Taken>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
     text += &sheet.table(&taken).markdown();
     if !left.is_empty() {

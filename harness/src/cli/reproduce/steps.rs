@@ -31,7 +31,7 @@ pub(super) fn steps(whole: bool) -> Vec<Step> {
     if !whole {
         let few = ["--points", "2", "--samples", FEW_ROUNDS];
         steps.push(Step::new("front", &[&["pareto", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
-        steps.extend(tables().map(|name| Step::new(format!("{name}-part"), &["table", name, "--part"])));
+        steps.extend(tables().map(|name| Step::new(format!("{name}-few-rows"), &["table", name, "--few-rows"])));
         let few = ["--samples", FEW_ROUNDS];
         steps.push(Step::new("need", &[&["need", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
     }
@@ -71,8 +71,9 @@ mod tests {
         let known: BTreeSet<&str> =
             known.filter(|experiment| !experiment.published.is_empty()).map(|experiment| experiment.name).collect();
         let tables = |steps: &[Step], part: bool| -> Vec<String> {
-            let is_table =
-                |step: &&Step| step.arguments[0] == "table" && step.arguments.contains(&"--part".to_owned()) == part;
+            let is_table = |step: &&Step| {
+                step.arguments[0] == "table" && step.arguments.contains(&"--few-rows".to_owned()) == part
+            };
             steps.iter().filter(is_table).map(|step| step.arguments[1].clone()).collect()
         };
         for (whole, part) in [(false, true), (false, false), (true, false)] {

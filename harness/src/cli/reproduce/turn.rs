@@ -11,18 +11,18 @@ use super::State;
 use super::steps::Step;
 use crate::cli::{CliError, stop};
 use crate::files::OutputFolder;
+use crate::launch;
 use crate::machine;
-use crate::means;
 use crate::measure::Journal;
 use crate::progress::{self, Progress};
 use crate::report;
-use crate::results::Run;
+use crate::results::Record;
 
 /// How often it is asked whether a step has ended.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// How long another process that measures into the same folder is waited for.
-const MOST_WAIT: Duration = Duration::from_secs(30);
+const MAX_WAIT: Duration = Duration::from_secs(30);
 
 /// How long a step has to end once it is told to.
 const TO_END: Duration = Duration::from_secs(2);
@@ -34,7 +34,7 @@ pub(super) struct Turn<'a> {
     pub folder: PathBuf,
     pub ends: Option<Instant>,
     /// What searches read and how they are launched, if another step has found out.
-    pub means: Option<String>,
+    pub launch: Option<String>,
     pub progress: &'a Progress,
 }
 
@@ -75,8 +75,8 @@ impl Turn<'_> {
             command.arg("--resume");
         }
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(told);
-        if let Some(means) = &self.means {
-            command.env(means::VARIABLE, means);
+        if let Some(launch) = &self.launch {
+            command.env(launch::VARIABLE, launch);
         }
         let mut child = command.spawn().map_err(|error| failed("start this program once more", error))?;
         loop {
@@ -120,7 +120,7 @@ fn end(child: &mut Child) -> std::io::Result<bool> {
 pub(super) fn wait_while(busy: impl Fn() -> bool, folder: &Path, ends: Option<Instant>, progress: &Progress) -> bool {
     let begun = Instant::now();
     let what = format!("another process measures into {}", folder.display());
-    let most = begun + MOST_WAIT;
+    let most = begun + MAX_WAIT;
     let ends = ends.map_or(most, |ends| ends.min(most));
     let mut told = None;
     while busy() {
@@ -130,7 +130,7 @@ pub(super) fn wait_while(busy: impl Fn() -> bool, folder: &Path, ends: Option<In
         }
         if told.is_none_or(|told: Instant| told.elapsed() >= Duration::from_secs(10)) {
             told = Some(Instant::now());
-            let left = MOST_WAIT.saturating_sub(begun.elapsed()).as_secs();
+            let left = MAX_WAIT.saturating_sub(begun.elapsed()).as_secs();
             progress.say(&format!("waiting: {what}, {left} s are left to it"));
         }
         sleep(PATIENCE);
@@ -139,11 +139,12 @@ pub(super) fn wait_while(busy: impl Fn() -> bool, folder: &Path, ends: Option<In
 }
 
 /// Whether a record is what a step measures: by this program on this machine, of the same verb, table and preset.
-fn is_of(run: &Run, step: &Step) -> bool {
+fn is_of(record: &Record, step: &Step) -> bool {
     let words = &step.arguments;
     let preset = words.iter().position(|word| word == "--preset").and_then(|at| words.get(at + 1));
-    let is_same = if words[0] == "table" { run.table.as_ref() == Some(&words[1]) } else { run.verb() == words[0] };
-    is_same && preset.is_none_or(|preset| *preset == run.preset) && run.provenance.commit == machine::COMMIT
+    let is_same =
+        if words[0] == "table" { record.table.as_ref() == Some(&words[1]) } else { record.verb() == words[0] };
+    is_same && preset.is_none_or(|preset| *preset == record.preset) && record.provenance.commit == machine::COMMIT
 }
 
 fn last_line(errors: &mut File) -> String {

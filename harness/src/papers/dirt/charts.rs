@@ -10,7 +10,7 @@ use crate::papers::rows::{agreement, integer, statistic};
 use crate::papers::vvp16::ABUFFER;
 use crate::papers::{Experiment, SceneRows, Scope};
 use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
-use crate::results::TracerRun;
+use crate::results::Row;
 use crate::results::host_ms;
 use itertools::Itertools as _;
 
@@ -28,15 +28,15 @@ pub(super) fn over_buckets(page: &Page<'_>) -> Vec<SeriesChart> {
 }
 
 fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
-    let values = |name: &str| sorted(scene.runs.iter().filter_map(|run| integer(run, name)).collect());
+    let values = |name: &str| sorted(scene.rows.iter().filter_map(|row| integer(row, name)).collect());
     let (tile_sizes, buckets) = (values("tile_size"), values("buckets"));
-    type Of<'a> = &'a dyn Fn(&TracerRun) -> Option<f64>;
+    type Of<'a> = &'a dyn Fn(&Row) -> Option<f64>;
     let panel = |title: &str, quantity: &str, of: Of<'_>| {
         let series = tile_sizes.iter().map(|tile_size| {
-            let is_row = |run: &&&TracerRun, number: u64| {
-                integer(run, "tile_size") == Some(*tile_size) && integer(run, "buckets") == Some(number)
+            let is_row = |row: &&&Row, number: u64| {
+                integer(row, "tile_size") == Some(*tile_size) && integer(row, "buckets") == Some(number)
             };
-            let value = |number: &u64| scene.runs.iter().find(|run| is_row(run, *number)).and_then(|run| of(run));
+            let value = |number: &u64| scene.rows.iter().find(|row| is_row(row, *number)).and_then(|row| of(row));
             Series {
                 label: format!("tiles of {tile_size}x{tile_size}"),
                 values: buckets.iter().map(value).collect(),
@@ -52,24 +52,24 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
             series: series.collect(),
         }
     };
-    let diffuse = |run: &TracerRun| run.traces.iter().find(|trace| trace.rays == "diffuse").cloned();
-    let counter = |run: &TracerRun, name: &str| Some(diffuse(run)?.counters.get(name)?.per_ray);
+    let diffuse = |row: &Row| row.traces.iter().find(|trace| trace.rays == "diffuse").cloned();
+    let counter = |row: &Row, name: &str| Some(diffuse(row)?.counters.get(name)?.per_ray);
     SeriesChart {
         stem: stem(experiment, &format!("_{}", scene.label)),
         title: "DIRT over buckets and tile size".to_owned(),
         subtitle: subtitle(scene),
         key: None,
         panels: vec![
-            panel("Structure", "bytes used (MiB)", &|run| Some(PAPER.bytes(run, Scope::Structure)? / MIB)),
-            panel("With the paper's own buffers", "bytes, computed (MiB)", &|run| {
-                Some(PAPER.bytes(run, Scope::OfPaper)? / MIB)
+            panel("Structure", "bytes used (MiB)", &|row| Some(PAPER.bytes(row, Scope::Structure)? / MIB)),
+            panel("With the paper's own buffers", "bytes, computed (MiB)", &|row| {
+                Some(PAPER.bytes(row, Scope::OfPaper)? / MIB)
             }),
-            panel("References stored", "references (millions)", &|run| Some(statistic(run, "references")? / 1e6)),
-            panel("Build", "build (ms)", &|run| Some(run.build.steady().median_ms)),
-            panel("Diffuse rays", "trace (ms)", &|run| Some(diffuse(run)?.times.median_ms)),
-            panel("Tests", "triangle tests per diffuse ray", &|run| counter(run, "triangle_tests")),
-            panel("Wrong rays", "wrong under tight (%)", &|run| {
-                let agreement = agreement(&diffuse(run)?)?;
+            panel("References stored", "references (millions)", &|row| Some(statistic(row, "references")? / 1e6)),
+            panel("Build", "build (ms)", &|row| Some(row.build.steady().median_ms)),
+            panel("Diffuse rays", "trace (ms)", &|row| Some(diffuse(row)?.times.median_ms)),
+            panel("Tests", "triangle tests per diffuse ray", &|row| counter(row, "triangle_tests")),
+            panel("Wrong rays", "wrong under tight (%)", &|row| {
+                let agreement = agreement(&diffuse(row)?)?;
                 Some((1.0 - agreement) * 100.0)
             }),
         ],
@@ -78,7 +78,7 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
 
 /// The resolutions of ray images, from the lowest.
 fn resolutions(scenes: &[SceneRows<'_>]) -> Vec<[u32; 2]> {
-    let images = scenes.iter().flat_map(|scene| &scene.runs).map(|run| run.viewpoint.ray_image);
+    let images = scenes.iter().flat_map(|scene| &scene.rows).map(|row| row.viewpoint.ray_image);
     images.unique().sorted_by_key(|image| image.map(u64::from).iter().product::<u64>()).collect()
 }
 
@@ -93,16 +93,16 @@ pub(super) fn mixes(page: &Page<'_>) -> Vec<SeriesChart> {
 
 fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
     let steps = resolutions(std::slice::from_ref(scene));
-    let tracers: Vec<&str> = scene.runs.iter().map(|run| run.tracer.name.as_str()).unique().collect();
-    let values = |tracer: &str, of: &dyn Fn(&TracerRun) -> Option<f64>| {
-        let at = |image: &[u32; 2]| scene.of_tracer(tracer).find(|run| run.viewpoint.ray_image == *image).and_then(of);
+    let tracers: Vec<&str> = scene.rows.iter().map(|row| row.tracer.name.as_str()).unique().collect();
+    let values = |tracer: &str, of: &dyn Fn(&Row) -> Option<f64>| {
+        let at = |image: &[u32; 2]| scene.of_tracer(tracer).find(|row| row.viewpoint.ray_image == *image).and_then(of);
         steps.iter().map(at).collect::<Vec<_>>()
     };
     let panels = MIXES.iter().map(|(name, mix)| {
         let lines = tracers.iter().flat_map(|tracer| {
-            let traced = |run: &TracerRun| Some(total_ms(run, mix)? - host_ms(run.build.steady())?);
+            let traced = |row: &Row| Some(total_ms(row, mix)? - host_ms(row.build.steady())?);
             let line = |values, dashed| Series { label: (*tracer).to_owned(), values, dashed };
-            [line(values(tracer, &traced), false), line(values(tracer, &|run| host_ms(run.build.steady())), true)]
+            [line(values(tracer, &traced), false), line(values(tracer, &|row| host_ms(row.build.steady())), true)]
         });
         SeriesPanel {
             of: None,
@@ -127,12 +127,12 @@ pub(super) fn memory_over_resolution(page: &Page<'_>) -> Vec<SeriesChart> {
     let rows = page.rows;
     let steps = resolutions(&rows.scenes);
     let tracers: BTreeSet<&str> =
-        rows.scenes.iter().flat_map(|scene| &scene.runs).map(|run| run.tracer.name.as_str()).collect();
-    let panel = |title: &str, quantity: &str, of: &dyn Fn(&TracerRun) -> Option<f64>| {
+        rows.scenes.iter().flat_map(|scene| &scene.rows).map(|row| row.tracer.name.as_str()).collect();
+    let panel = |title: &str, quantity: &str, of: &dyn Fn(&Row) -> Option<f64>| {
         let lines = rows.scenes.iter().flat_map(|scene| tracers.iter().map(move |tracer| (scene, *tracer)));
         let lines = lines.map(|(scene, tracer)| {
             let at =
-                |image: &[u32; 2]| scene.of_tracer(tracer).find(|run| run.viewpoint.ray_image == *image).and_then(of);
+                |image: &[u32; 2]| scene.of_tracer(tracer).find(|row| row.viewpoint.ray_image == *image).and_then(of);
             let values = steps.iter().map(at).collect();
             Series { label: scene.label.clone(), values, dashed: tracer == ABUFFER }
         });
@@ -151,12 +151,12 @@ pub(super) fn memory_over_resolution(page: &Page<'_>) -> Vec<SeriesChart> {
         subtitle: "one bucket; of DIRT tiles of one pixel".to_owned(),
         key: tracers.contains(ABUFFER).then_some(["dirt", ABUFFER]),
         panels: vec![
-            panel("Structure", "bytes used (MiB)", &|run| Some(PAPER.bytes(run, Scope::Structure)? / MIB)),
-            panel("With the paper's own buffers", "bytes, computed (MiB)", &|run| {
-                Some(PAPER.bytes(run, Scope::OfPaper)? / MIB)
+            panel("Structure", "bytes used (MiB)", &|row| Some(PAPER.bytes(row, Scope::Structure)? / MIB)),
+            panel("With the paper's own buffers", "bytes, computed (MiB)", &|row| {
+                Some(PAPER.bytes(row, Scope::OfPaper)? / MIB)
             }),
-            panel("References or fragments stored", "stored (millions)", &|run| {
-                Some(statistic(run, "references").or_else(|| statistic(run, "fragments"))? / 1e6)
+            panel("References or fragments stored", "stored (millions)", &|row| {
+                Some(statistic(row, "references").or_else(|| statistic(row, "fragments"))? / 1e6)
             }),
         ],
     }]

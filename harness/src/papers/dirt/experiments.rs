@@ -1,9 +1,9 @@
 //! DIRT's tables and figures.
 
-use tracebench_api::EndPoint;
+use tracebench_api::TraceTo;
 
 use super::{charts, sections};
-use crate::papers::experiment::{Experiment, Row, StandIn, Values, at, peer, stands_for};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Values, at, peer, stands_for};
 use crate::papers::page::beside::beside;
 use crate::papers::vvp16::{ABUFFER, abuffer};
 use crate::papers::wkp15::quadtree;
@@ -13,8 +13,8 @@ use crate::papers::{hhz14, wkp15};
 pub(super) const EXPERIMENTS: &[Experiment] =
     &[TABLE1, TABLE2, TABLE3, FIGURE7, FIGURE8, FIGURE9, FIGURE10, FIGURE11, FAMILIES, TEXT];
 
-const fn dirt(values: Values) -> Row {
-    Row { tracer: "dirt", values }
+const fn dirt(values: Values) -> ExperimentRow {
+    ExperimentRow { tracer: "dirt", values }
 }
 
 /// Thickness of VVP16's fragments, which DIRT's authors tuned a scene without telling the values: a width of a pixel where the
@@ -23,7 +23,7 @@ const THICKNESS: (&str, &[&str]) = ("thickness", &["1"]);
 const IN_PIXELS: (&str, &[&str]) = ("thickness_in", &["pixels"]);
 
 /// Figure 11: tiles of one pixel, one bucket.
-const ONE_BUCKET: &[Row] = &[
+const ONE_BUCKET: &[ExperimentRow] = &[
     dirt(&[("tile_size", &["1"]), ("buckets", &["1"])]),
     abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["1"]), IN_PIXELS, THICKNESS]),
 ];
@@ -34,8 +34,8 @@ const ALL_SCENES: &[StandIn] = &[
     stands_for("hangar", "Hangar"),
     stands_for("candy", "Candy"),
 ];
-const LBVH: Row = peer("lbvh-gpu");
-const BVH: Row = peer("bvh-gpu");
+const LBVH: ExperimentRow = peer("lbvh-gpu");
+const BVH: ExperimentRow = peer("bvh-gpu");
 
 /// Table 1.
 const TABLE1: Experiment = Experiment {
@@ -63,7 +63,7 @@ const TABLE2: Experiment = Experiment {
     published: &["dirt-table2", "dirt-table2-summary"],
     scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
     rays: "diffuse,specular",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(
         1.0,
         &[
@@ -139,7 +139,7 @@ const FIGURE8: Experiment = Experiment {
         at(1.0, &[dirt(&[("tile_size", &["4"])]), LBVH, BVH]),
         at(2.0, &[dirt(&[("tile_size", &["8"])]), LBVH, BVH]),
     ],
-    means: true,
+    launch: true,
     sections: &[sections::mixes],
     charts: &[charts::mixes],
     notes: &[
@@ -177,7 +177,7 @@ const FIGURE10: Experiment = Experiment {
     published: &["dirt-figure10", "dirt-downscaling", "dirt-bucket-steps", "dirt-build-slope"],
     scenes: &[stands_for("cloth", "Cloth"), stands_for("room", "Bunny"), stands_for("candy", "Candy")],
     rays: "diffuse",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])])],
     sections: &[sections::copies],
     charts: &[charts::over_buckets],
@@ -195,7 +195,7 @@ const FIGURE11: Experiment = Experiment {
     published: &["dirt-figure11"],
     scenes: ALL_SCENES,
     rays: "primary",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(0.25, ONE_BUCKET), at(0.5, ONE_BUCKET), at(1.0, ONE_BUCKET), at(2.0, ONE_BUCKET)],
     charts: &[charts::memory_over_resolution],
     notes: &[
@@ -215,7 +215,7 @@ const FAMILIES: Experiment = Experiment {
     steps: &[at(
         1.0,
         &[
-            Row { tracer: wkp15::DDA, values: &[("layers", &["1", "2"])] },
+            ExperimentRow { tracer: wkp15::DDA, values: &[("layers", &["1", "2"])] },
             quadtree(&[("layers", &["2"]), ("views", &["frame"])]),
             quadtree(&[("layers", &["1"]), ("views", &["six"])]),
             peer(hhz14::ABUFFER),

@@ -11,7 +11,7 @@ use tracebench_api::MemoryEntry;
 
 use super::{Experiment, Paper, Part, Step, vvp16};
 use crate::plan::TracerRequest;
-use crate::results::TracerRun;
+use crate::results::Row;
 
 /// The paper.
 pub(super) const PAPER: Paper = Paper {
@@ -49,13 +49,13 @@ const OF_A_PIXEL: [f64; 4] = [4.0, 32.0, 3.0 * 32.0, 2.0];
 
 /// What Table 3 counts: depth bounds and lists as they are; a ray starts from every pixel of the frame (R_h), and each has its hit and
 /// three points. Of the A-buffer what its own paper counts.
-fn by_formula(run: &TracerRun) -> Option<f64> {
-    if run.tracer.name != DIRT {
-        return vvp16::by_formula(run);
+fn by_formula(row: &Row) -> Option<f64> {
+    if row.tracer.name != DIRT {
+        return vvp16::by_formula(row);
     }
     let counted = |part: &&MemoryEntry| IN_TABLE_3.iter().any(|name| part.name.starts_with(name));
-    let structure: u64 = run.memory.structure.iter().filter(counted).map(|part| part.used_bytes).sum();
-    let pixels: f64 = run.viewpoint.frame.map(f64::from).iter().product();
+    let structure: u64 = row.memory.structure.iter().filter(counted).map(|part| part.used_bytes).sum();
+    let pixels: f64 = row.viewpoint.frame.map(f64::from).iter().product();
     Some(structure as f64 + pixels * OF_A_PIXEL.iter().sum::<f64>())
 }
 

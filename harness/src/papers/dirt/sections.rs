@@ -5,11 +5,11 @@ use super::quantities::memory::tiles;
 use super::quantities::time::{MIXES, total_ms};
 use crate::papers::SceneRows;
 use crate::papers::page::Page;
-use crate::papers::page::measured::{Row, of_rows, over, speed_with_accuracy};
+use crate::papers::page::measured::{TableRow, of_rows, over, speed_with_accuracy};
 use crate::papers::rows::{integer, statistic, trace};
 use crate::report::document::Document;
 use crate::report::sheet::{Cell, Column, Sheet};
-use crate::results::{TracerRun, host_ms};
+use crate::results::{Row, host_ms};
 
 /// Kinds of rays in the order of DIRT's Table 1: ray set, published column.
 const KINDS: [(&str, &str); 4] =
@@ -21,21 +21,21 @@ const MIPMAPS: [f64; 2] = [1.33, 1.5];
 
 /// Rays a second of each kind, and ratios to the last kind beside the published ones.
 pub(super) fn throughput(page: &Page<'_>) -> Document {
-    let rows: Vec<Row<'_>> = page.all().collect();
-    let found = |run: &TracerRun, rays| speed_with_accuracy(trace(run, rays)?);
-    let speed = |(rays, _)| Column::told(rays, move |(_, run): &Row<'_>| found(run, rays));
+    let rows: Vec<TableRow<'_>> = page.all().collect();
+    let found = |row: &Row, rays| speed_with_accuracy(trace(row, rays)?);
+    let speed = |(rays, _)| Column::new(rays, move |(_, row): &TableRow<'_>| found(row, rays));
     let [kinds @ .., last] = KINDS;
     let ratio = |kind: (&'static str, &'static str)| {
-        Column::told(kind.0, move |(_, run): &Row<'_>| {
-            let [own, base] = [kind, last].map(|(rays, _)| found(run, rays).map(|speed| speed.value));
-            let [theirs, of] = [kind, last].map(|(_, column)| page.printed_of(run, &[], column));
-            format!("{} here, {} published", over(own, base).told(), over(theirs, of).told())
+        Column::new(kind.0, move |(_, row): &TableRow<'_>| {
+            let [own, base] = [kind, last].map(|(rays, _)| found(row, rays).map(|speed| speed.value));
+            let [theirs, of] = [kind, last].map(|(_, column)| page.printed_of(row, &[], column));
+            format!("{} here, {} published", over(own, base).describe(), over(theirs, of).describe())
         })
     };
-    let sheet = || of_rows::<Row<'_>>(|row| *row);
+    let sheet = || of_rows::<TableRow<'_>>(|row| *row);
     Document::of("Mrays/s with the agreement under tight of the same rays (any hit: balanced accuracy):")
         .table(sheet().with(KINDS.map(speed).into()).table(&rows))
-        .words("Ratios to diffuse rays, within one scene and tracer:")
+        .paragraph("Ratios to diffuse rays, within one scene and tracer:")
         .table(sheet().with(kinds.map(ratio).into()).table(&rows))
 }
 
@@ -51,10 +51,10 @@ struct Formula {
 }
 
 impl Formula {
-    fn of(run: &TracerRun) -> Option<Self> {
-        let (tiles, references, buckets) = (tiles(run)?, statistic(run, "references")?, integer(run, "buckets")?);
+    fn of(row: &Row) -> Option<Self> {
+        let (tiles, references, buckets) = (tiles(row)?, statistic(row, "references")?, integer(row, "buckets")?);
         let part = |of: &dyn Fn(&str) -> bool| {
-            run.memory.structure.iter().filter(|part| of(&part.name)).map(|part| part.used_bytes as f64).sum::<f64>()
+            row.memory.structure.iter().filter(|part| of(&part.name)).map(|part| part.used_bytes as f64).sum::<f64>()
         };
         let is_bounds = |name: &str| name == "depth bounds texture";
         let is_list = |name: &str| name.starts_with("id buffer");
@@ -79,33 +79,33 @@ impl Formula {
 /// The formula of Table 3 beside what the ledger says is used.
 pub(super) fn formula(page: &Page<'_>) -> Document {
     let rows: Vec<_> = page.all().filter_map(|row| Some((row, Formula::of(row.1)?))).collect();
-    let sheet = of_rows::<(Row<'_>, Formula)>(|(row, _)| *row)
-        .told("tiles of all views", |(_, of)| of.tiles as u64)
-        .told("c n_p (references)", |(_, of)| of.references as u64)
-        .told("id buffer, formula (bytes)", |(_, of)| of.lists as u64)
-        .told("id buffer, ledger over formula", |(_, of)| Cell::Number(of.used_lists / of.lists, 6))
-        .told("depth bounds without mipmaps (bytes)", |(_, of)| of.bounds as u64)
-        .told("ledger over that", |(_, of)| Cell::Number(of.used_bounds / of.bounds, 5))
-        .told("formula at 1.33 over ledger", |(_, of)| of.over_ledger(MIPMAPS[0]))
-        .told("at 1.5 over ledger", |(_, of)| of.over_ledger(MIPMAPS[1]))
-        .told("in the ledger and not in Table 3 (bytes)", |(_, of)| of.used_else as u64);
+    let sheet = of_rows::<(TableRow<'_>, Formula)>(|(row, _)| *row)
+        .column("tiles of all views", |(_, of)| of.tiles as u64)
+        .column("c n_p (references)", |(_, of)| of.references as u64)
+        .column("id buffer, formula (bytes)", |(_, of)| of.lists as u64)
+        .column("id buffer, ledger over formula", |(_, of)| Cell::Number(of.used_lists / of.lists, 6))
+        .column("depth bounds without mipmaps (bytes)", |(_, of)| of.bounds as u64)
+        .column("ledger over that", |(_, of)| Cell::Number(of.used_bounds / of.bounds, 5))
+        .column("formula at 1.33 over ledger", |(_, of)| of.over_ledger(MIPMAPS[0]))
+        .column("at 1.5 over ledger", |(_, of)| of.over_ledger(MIPMAPS[1]))
+        .column("in the ledger and not in Table 3 (bytes)", |(_, of)| of.used_else as u64);
     Document::of("Bytes used:").table(sheet.table(&rows))
 }
 
 /// Build and traces of every mix by the host's clock.
 pub(super) fn mixes(page: &Page<'_>) -> Document {
     let at = |(name, mix)| {
-        Column::told(format!("{name}: build and traces (ms) ↓"), move |(_, run): &Row<'_>| total_ms(run, mix))
+        Column::new(format!("{name}: build and traces (ms) ↓"), move |(_, row): &TableRow<'_>| total_ms(row, mix))
     };
-    let sheet = Sheet::<Row<'_>>::new()
-        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
-        .told("rays from", |(_, run)| run.viewpoint.ray_image.map(|side| side.to_string()).join("x"))
-        .told("tracer", |(_, run)| run.label())
-        .told("build (ms, host clock) ↓", |(_, run)| host_ms(run.build.steady()))
+    let sheet = Sheet::<TableRow<'_>>::new()
+        .column("scene", |(scene, _)| Cell::Name(scene.label.clone()))
+        .column("rays from", |(_, row)| row.viewpoint.ray_image.map(|side| side.to_string()).join("x"))
+        .column("tracer", |(_, row)| row.label())
+        .column("build (ms, host clock) ↓", |(_, row)| host_ms(row.build.steady()))
         .with(MIXES.map(at).into());
     let of_scene =
-        |scene| SceneRows::by_resolution(scene).into_iter().flat_map(|at| at.runs).map(move |run| (scene, run));
-    let rows: Vec<Row<'_>> = page.rows.scenes.iter().flat_map(of_scene).collect();
+        |scene| SceneRows::by_resolution(scene).into_iter().flat_map(|at| at.rows).map(move |row| (scene, row));
+    let rows: Vec<TableRow<'_>> = page.rows.scenes.iter().flat_map(of_scene).collect();
     Document::of("The accuracy of the same traces stands below, by scene and resolution.").table(sheet.table(&rows))
 }
 
@@ -124,15 +124,17 @@ const IN_BUCKETS: [(&str, &str); 9] = [
 
 /// Copies of a part in several buckets as a histogram, and tiles that one surface fills; nothing of structures that do not tell.
 pub(super) fn copies(page: &Page<'_>) -> Document {
-    let tells = |name: &str, (_, run): &Row<'_>| statistic(run, name).is_some();
-    let rows: Vec<Row<'_>> = page.of_tracer(DIRT).filter(|row| tells("one_surface_tiles", row)).collect();
-    let over = |(_, run): &Row<'_>, part: &str, whole: &str| Some(statistic(run, part)? / statistic(run, whole)?);
+    let tells = |name: &str, (_, row): &TableRow<'_>| statistic(row, name).is_some();
+    let rows: Vec<TableRow<'_>> = page.of_tracer(DIRT).filter(|row| tells("one_surface_tiles", row)).collect();
+    let over = |(_, row): &TableRow<'_>, part: &str, whole: &str| Some(statistic(row, part)? / statistic(row, whole)?);
     let share = |heading: &'static str, part: &'static str, whole: &'static str| {
-        Column::told(heading, move |row: &Row<'_>| Cell::number(over(row, part, whole).map(|share| 100.0 * share), 3))
+        Column::new(heading, move |row: &TableRow<'_>| {
+            Cell::number(over(row, part, whole).map(|share| 100.0 * share), 3)
+        })
     };
     let bins = IN_BUCKETS.iter().filter(|(name, _)| rows.iter().any(|row| tells(name, row)));
-    let sheet = of_rows::<Row<'_>>(|row| *row)
-        .told("copies a part", |row| Cell::number(over(row, "references", "parts"), 3))
+    let sheet = of_rows::<TableRow<'_>>(|row| *row)
+        .column("copies a part", |row| Cell::number(over(row, "references", "parts"), 3))
         .with(bins.map(|&(name, heading)| share(heading, name, "parts")).collect())
         .and(share("in every bucket (%)", "parts_in_every_bucket", "parts"))
         .and(share("tiles of one surface (%)", "one_surface_tiles", "occupied_tiles"))

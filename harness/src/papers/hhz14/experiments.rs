@@ -1,9 +1,9 @@
 //! HHZ14's tables and figures.
 
-use tracebench_api::EndPoint;
+use tracebench_api::TraceTo;
 
 use super::{ABUFFER, abuffer, octree, sections};
-use crate::papers::experiment::{Experiment, Row, StandIn, at, stands_for};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, at, stands_for};
 use crate::papers::page::beside::beside;
 
 /// Every one, in the order of lists.
@@ -19,7 +19,7 @@ const TABLE1: Experiment = Experiment {
     published: &["hhz14-table1"],
     scenes: OF_TABLE_1,
     rays: "specular,refraction,visibility",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(
         1.0,
         &[
@@ -27,7 +27,7 @@ const TABLE1: Experiment = Experiment {
             octree(&[("levels", &["10"]), ("traversal", &["restart", "stack"])]),
         ],
     )],
-    means: true,
+    launch: true,
     sections: &[sections::octree],
     notes: &[
         "The paper names neither the models of its images nor how many rays a frame has: ratios alone stand beside its own. Here a frame \
@@ -59,7 +59,7 @@ const FIGURE6: Experiment = Experiment {
     ..Experiment::DEFAULT
 };
 
-const PLAIN: &[Row] = &[abuffer(&[])];
+const PLAIN: &[ExperimentRow] = &[abuffer(&[])];
 
 /// Figure 7.
 const FIGURE7: Experiment = Experiment {

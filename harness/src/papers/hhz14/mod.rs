@@ -7,9 +7,9 @@ mod sections;
 mod tests;
 
 use super::experiment::Values;
-use super::{Experiment, Paper, Part, Row, SceneRows, Step};
+use super::{Experiment, ExperimentRow, Paper, Part, SceneRows, Step};
 use crate::plan::TracerRequest;
-use crate::results::TracerRun;
+use crate::results::Row;
 
 /// The paper.
 pub(super) const PAPER: Paper = Paper {
@@ -42,17 +42,17 @@ pub(super) const ABUFFER: &str = "voxel-abuffer";
 const OCTREE: &str = "voxel-octree";
 
 /// Its tracer with every combination of values.
-const fn abuffer(values: Values) -> Row {
-    Row { tracer: ABUFFER, values }
+const fn abuffer(values: Values) -> ExperimentRow {
+    ExperimentRow { tracer: ABUFFER, values }
 }
 
 /// Its peer with every combination of values.
-const fn octree(values: Values) -> Row {
-    Row { tracer: OCTREE, values }
+const fn octree(values: Values) -> ExperimentRow {
+    ExperimentRow { tracer: OCTREE, values }
 }
 
 /// Its tracer's row with these values, and else those of its first row.
-fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a Row> {
     scene.like_first(ABUFFER, values)
 }
 
@@ -65,7 +65,7 @@ fn in_part(experiment: &Experiment, request: &TracerRequest) -> bool {
     let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
     match experiment.name {
         "hhz14-table1" => {
-            [value("reads"), value("rays_per_lane")] == ["buffer", "1"]
+            [value("memory_access"), value("rays_per_lane")] == ["buffer", "1"]
                 && (request.name() == ABUFFER || value("traversal") == "stack")
         }
         "hhz14-figure9" => value("abuffer") == "0" && ["0", "128"].contains(&&*value("grid")),

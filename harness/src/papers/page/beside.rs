@@ -6,28 +6,29 @@ use crate::papers::Scope;
 use crate::report::document::Document;
 use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Sheet};
-use crate::results::{TracerRun, host_ms};
+use crate::results::{Row, host_ms};
 
 /// Build and traces of every row, with ratios to the first of a tracer.
 pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> Document {
     let mut section = Document::of(format!("{TIMES} Ratios are to the first row of {reference} in a scene."));
-    let build = |run: &TracerRun| host_ms(run.build.steady());
+    let build = |row: &Row| host_ms(row.build.steady());
     for scene in &page.rows.scenes {
         let Some(first) = scene.like_first(reference, &[]) else { continue };
-        let mut sheet = Sheet::<&TracerRun>::new().told("tracer", |run| run.label());
+        let mut sheet = Sheet::<&Row>::new().column("tracer", |row| row.label());
         for (scope, heading) in Scope::ALL {
-            let bytes = move |run: &TracerRun| page.paper.bytes(run, scope);
-            sheet = sheet.told(heading, move |run| bytes(run).map(Cell::Bytes)).and(over_first("ratio", first, bytes));
+            let bytes = move |row: &Row| page.paper.bytes(row, scope);
+            sheet =
+                sheet.column(heading, move |row| bytes(row).map(Cell::Bytes)).and(over_first("ratio", first, bytes));
         }
-        sheet = sheet.told("build (ms) ↓", move |run| build(run)).and(over_first("ratio", first, build));
+        sheet = sheet.column("build (ms) ↓", move |row| build(row)).and(over_first("ratio", first, build));
         for set in scene.ray_sets() {
-            let trace = move |run: &TracerRun| ms_of(run, &[set]);
+            let trace = move |row: &Row| ms_of(row, &[set]);
             sheet = sheet
-                .told(format!("{set} (ms) ↓"), move |run| time_of(run, &[set]))
+                .column(format!("{set} (ms) ↓"), move |row| time_of(row, &[set]))
                 .and(over_first("ratio", first, trace))
-                .and(over_first("build and trace: ratio", first, move |run| Some(trace(run)? + build(run)?)));
+                .and(over_first("build and trace: ratio", first, move |row| Some(trace(row)? + build(row)?)));
         }
-        section = section.words(format!("**{}**", literal(&scene.label))).table(sheet.table(&scene.runs));
+        section = section.paragraph(format!("**{}**", literal(&scene.label))).table(sheet.table(&scene.rows));
     }
     section
 }

@@ -10,6 +10,6 @@ pub(in crate::papers) fn stem(experiment: &Experiment, rest: &str) -> String {
 
 /// A scene with its triangles.
 pub(in crate::papers) fn subtitle(scene: &SceneRows<'_>) -> String {
-    let triangles = scene.runs.first().map_or(0, |run| run.scene.triangles);
+    let triangles = scene.rows.first().map_or(0, |row| row.scene.triangles);
     format!("{} ({} triangles)", scene.label, thousands(triangles))
 }

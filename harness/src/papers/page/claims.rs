@@ -7,7 +7,7 @@ use crate::report::document::Document;
 use crate::report::format::significant;
 use crate::report::sheet::{Sheet, Table};
 use crate::report::{Report, ReportError};
-use crate::results::Run;
+use crate::results::Record;
 use itertools::Itertools as _;
 
 /// The claims that an experiment measures.
@@ -15,7 +15,7 @@ pub(super) fn section(judged: &[JudgedClaim]) -> Document {
     if judged.is_empty() {
         return Document::default();
     }
-    Document::default().heading(2, "Claims").words(HOW).table(table(judged, false))
+    Document::default().heading(2, "Claims").paragraph(HOW).table(table(judged, false))
 }
 
 const HOW: &str = "A claim holds if the values here lie in the range beside them; a percentage holds within 10 percentage points, \
@@ -67,7 +67,7 @@ fn measured(judged: &JudgedClaim) -> Option<String> {
 
 fn rule(claim: &Claim) -> Option<String> {
     match &claim.test {
-        Test::Measured { quantity, rule, .. } => Some(format!("`{quantity}`: {}", rule.words())),
+        Test::Measured { quantity, rule, .. } => Some(format!("`{quantity}`: {}", rule.describe())),
         Test::NotMeasurable { .. } => None,
     }
 }
@@ -86,14 +86,14 @@ fn rows_of([measured, all]: [usize; 2]) -> String {
 
 fn table(judged: &[JudgedClaim], with_table: bool) -> Table {
     let sheet = Sheet::<JudgedClaim>::new()
-        .told("claim", |each| format!("`{}`: {}", each.claim.id, each.claim.statement))
-        .told("section", |each| each.claim.section.clone())
-        .told("conditions", |each| each.claim.conditions.clone())
-        .told("published", |each| published(&each.claim))
-        .told("here", measured)
-        .told("holds if", |each| rule(&each.claim))
-        .told("verdict", verdict);
-    if with_table { sheet.told("table", measured_by).table(judged) } else { sheet.table(judged) }
+        .column("claim", |each| format!("`{}`: {}", each.claim.id, each.claim.statement))
+        .column("section", |each| each.claim.section.clone())
+        .column("conditions", |each| each.claim.conditions.clone())
+        .column("published", |each| published(&each.claim))
+        .column("here", measured)
+        .column("holds if", |each| rule(&each.claim))
+        .column("verdict", verdict);
+    if with_table { sheet.column("table", measured_by).table(judged) } else { sheet.table(judged) }
 }
 
 /// The table with the run that it was measured in.
@@ -113,9 +113,9 @@ pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, Report
 ///
 /// # Errors
 /// If the embedded data is not as it should be.
-pub(crate) fn claims_page(paper: &Paper, runs: &[Run]) -> Result<Document, ReportError> {
+pub(crate) fn claims_page(paper: &Paper, rows: &[Record]) -> Result<Document, ReportError> {
     let published = paper.published().map_err(|error| broken(&error))?;
-    let judged = judged(paper, runs)?;
+    let judged = judged(paper, rows)?;
     let machines = judged.iter().filter_map(|each| each.measured_by.as_ref()).map(|by| &by.machine).unique();
     let machines = machines.map(|machine| format!("Machine: {machine}"));
     let verdicts = Verdict::ALL.iter().map(|verdict| {
@@ -124,32 +124,32 @@ pub(crate) fn claims_page(paper: &Paper, runs: &[Run]) -> Result<Document, Repor
     });
     let items = machines.chain(verdicts).map(|item| Document::default().item(item));
     let title = format!("Claims of {}", published.paper.title);
-    Ok(Document::titled(&title).and(items).words(HOW).table(table(&judged, true)))
+    Ok(Document::titled(&title).and(items).paragraph(HOW).table(table(&judged, true)))
 }
 
 /// The claims of every paper for one of whose tables a run was made, a page a paper.
 ///
 /// # Errors
 /// If the embedded data is not as it should be.
-pub fn claims_of(runs: &[Run]) -> Result<Vec<Document>, ReportError> {
+pub fn claims_of(rows: &[Record]) -> Result<Vec<Document>, ReportError> {
     let is_of = |paper: &&&Paper| {
-        let tables = runs.iter().filter_map(|run| run.table.as_deref());
+        let tables = rows.iter().filter_map(|record| record.table.as_deref());
         tables.into_iter().any(|table| paper.experiments.iter().any(|experiment| experiment.name == table))
     };
-    PAPERS.iter().filter(is_of).map(|paper| claims_page(paper, runs)).collect()
+    PAPERS.iter().filter(is_of).map(|paper| claims_page(paper, rows)).collect()
 }
 
-fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> {
-    judge_all(paper, runs).map_err(|error| broken(&error))
+fn judged(paper: &Paper, rows: &[Record]) -> Result<Vec<JudgedClaim>, ReportError> {
+    judge_all(paper, rows).map_err(|error| broken(&error))
 }
 
 /// All claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`.
 ///
 /// # Errors
 /// If the embedded data is not as it should be.
-pub(crate) fn claims_report(paper: &Paper, runs: &[Run]) -> Result<Report, ReportError> {
+pub(crate) fn claims_report(paper: &Paper, rows: &[Record]) -> Result<Report, ReportError> {
     let stem = format!("claims_{}", paper.name);
     let name = format!("{stem}.json");
-    let data = vec![(name.clone(), json(&name, &judged(paper, runs)?)?)];
-    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, runs)?)], data, ..Report::default() })
+    let data = vec![(name.clone(), json(&name, &judged(paper, rows)?)?)];
+    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, rows)?)], data, ..Report::default() })
 }

@@ -10,7 +10,7 @@ use crate::report::markdown::literal;
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, TRACE_TIME};
 use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::{cells, metrics};
-use crate::results::{Judgement, TraceRecord, TracerRun};
+use crate::results::{Judgement, Row, TraceRecord};
 
 /// What was measured: the paper's own sections, then every scene and resolution.
 pub(super) fn sections(page: &Page<'_>) -> Document {
@@ -22,7 +22,7 @@ pub(super) fn sections(page: &Page<'_>) -> Document {
 }
 
 fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
-    let first = scene.runs.first()?;
+    let first = scene.rows.first()?;
     let viewpoint = &first.viewpoint;
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let heading = format!(
@@ -32,7 +32,7 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
         size(viewpoint.ray_image),
         size(viewpoint.frame),
         viewpoint.face,
-        viewpoint.said_of_rays()
+        viewpoint.ray_overrides()
     );
     let sets = scene.ray_sets().into_iter().map(|set| traces(scene, set));
     let of = Of { scene: Some(first.scene.name.clone()), rays: None };
@@ -41,35 +41,35 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
 
 /// Counts, bytes and builds; times only in runs that tell accuracies too.
 fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
-    let timed = scene.runs.iter().any(|run| !run.traces.is_empty());
-    let known = |name: &str| scene.runs.iter().any(|run| run.structure_statistics.contains_key(name));
+    let timed = scene.rows.iter().any(|row| !row.traces.is_empty());
+    let known = |name: &str| scene.rows.iter().any(|row| row.structure_statistics.contains_key(name));
     let counts = page.paper.counts.iter().filter(|(name, _)| known(name));
     let count = |(name, heading): &(&'static str, &'static str)| {
         let name = *name;
-        Column::told(*heading, move |run: &&TracerRun| rows::statistic(run, name).map(Cell::Statistic))
+        Column::new(*heading, move |row: &&Row| rows::statistic(row, name).map(Cell::Statistic))
     };
     let in_scope = |(scope, heading): (Scope, &str)| {
-        Column::told(heading, move |run: &&TracerRun| page.paper.bytes(run, scope).map(Cell::Bytes))
+        Column::new(heading, move |row: &&Row| page.paper.bytes(row, scope).map(Cell::Bytes))
     };
-    let mut sheet = Sheet::<&TracerRun>::new()
-        .told("tracer", |run| run.label())
+    let mut sheet = Sheet::<&Row>::new()
+        .column("tracer", |row| row.label())
         .with(counts.map(count).collect())
         .with(Scope::ALL.map(in_scope).into())
-        .structure(STRUCTURE.called("structure alone, allocated"), |run| Some(run));
+        .structure(STRUCTURE.called("structure alone, allocated"), |row| Some(row));
     if timed {
         sheet = sheet
-            .clock("build_clock", |run| Some(run.build.first()))
-            .builds(BUILD_TIME.label, |run| Some(run))
-            .build_phases("phases (ms)", "; ", |run| run);
+            .clock("build_clock", |row| Some(row.build.first()))
+            .builds(BUILD_TIME.label, |row| Some(row))
+            .build_phases("phases (ms)", "; ", |row| row);
     }
-    sheet.table(&scene.runs)
+    sheet.table(&scene.rows)
 }
 
 fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
-    let all: Vec<cells::Row<'_>> =
-        scene.runs.iter().filter_map(|run| Some((Role::Contender, *run, trace(run, set)?))).collect();
+    let all: Vec<cells::TableRow<'_>> =
+        scene.rows.iter().filter_map(|row| Some((Role::Tracer, *row, trace(row, set)?))).collect();
     let Some((.., first)) = all.first() else { return Document::default() };
-    let mut sheet = Sheet::<cells::Row<'_>>::new()
+    let mut sheet = Sheet::<cells::TableRow<'_>>::new()
         .name(cells::own)
         .own_clock(cells::own)
         .taken(SPEED, cells::own)
@@ -80,17 +80,17 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
     }
     let sheet = sheet.counted(&all, cells::own);
     let title = set_heading(set, first.query, first.count);
-    Document::of(format!("**{title}**")).words(cells::coverage(&all)).table(sheet.table(&all))
+    Document::of(format!("**{title}**")).paragraph(cells::coverage(&all)).table(sheet.table(&all))
 }
 
 /// A tracer's row in a scene.
-pub(in crate::papers) type Row<'a> = (&'a SceneRows<'a>, &'a TracerRun);
+pub(in crate::papers) type TableRow<'a> = (&'a SceneRows<'a>, &'a Row);
 
 /// A table that begins with scene and tracer.
-pub(in crate::papers) fn of_rows<'a, R>(row: impl Fn(&R) -> Row<'_> + Copy + 'a) -> Sheet<'a, R> {
+pub(in crate::papers) fn of_rows<'a, R>(row: impl Fn(&R) -> TableRow<'_> + Copy + 'a) -> Sheet<'a, R> {
     Sheet::new()
-        .told("scene", move |each| Cell::Name(row(each).0.label.clone()))
-        .told("tracer", move |each| row(each).1.label())
+        .column("scene", move |each| Cell::Name(row(each).0.label.clone()))
+        .column("tracer", move |each| row(each).1.label())
 }
 
 /// One over another, where there are both.
@@ -101,10 +101,10 @@ pub(in crate::papers) fn over(own: Option<f64>, first: Option<f64>) -> Cell {
 /// A figure of rows over that of the first one.
 pub(in crate::papers) fn over_first<'a>(
     heading: &str,
-    first: &'a TracerRun,
-    of: impl Fn(&TracerRun) -> Option<f64> + 'a,
-) -> Column<'a, &'a TracerRun> {
-    Column::told(heading, move |run: &&TracerRun| over(of(run), of(first)))
+    first: &'a Row,
+    of: impl Fn(&Row) -> Option<f64> + 'a,
+) -> Column<'a, &'a Row> {
+    Column::new(heading, move |row: &&Row| over(of(row), of(first)))
 }
 
 /// A speed or a time with the accuracy of the same rays.
@@ -156,11 +156,11 @@ pub(in crate::papers) fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<A
 }
 
 /// The same of a row's ray sets; none where it lacks one.
-pub(in crate::papers) fn time_of(run: &TracerRun, sets: &[&str]) -> Option<Accurate> {
-    time_with_accuracy(&sets.iter().map(|rays| trace(run, rays)).collect::<Option<Vec<_>>>()?)
+pub(in crate::papers) fn time_of(row: &Row, sets: &[&str]) -> Option<Accurate> {
+    time_with_accuracy(&sets.iter().map(|rays| trace(row, rays)).collect::<Option<Vec<_>>>()?)
 }
 
 /// Its milliseconds alone, for ratios.
-pub(in crate::papers) fn ms_of(run: &TracerRun, sets: &[&str]) -> Option<f64> {
-    Some(time_of(run, sets)?.value)
+pub(in crate::papers) fn ms_of(row: &Row, sets: &[&str]) -> Option<f64> {
+    Some(time_of(row, sets)?.value)
 }

@@ -8,13 +8,13 @@ mod published;
 
 pub use claims::claims_of;
 pub(crate) use claims::claims_report;
-use measured::Row;
+use measured::TableRow;
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};
 use crate::report::chart::series::series;
 use crate::report::document::Document;
 use crate::report::{Report, ReportError, peers, summary};
-use crate::results::{Run, TracerRun};
+use crate::results::{Record, Row};
 
 /// What the sections and charts of a page are made from.
 pub(crate) struct Page<'a> {
@@ -35,31 +35,31 @@ impl<'a> Page<'a> {
     }
 
     /// What stands there in a column of the scene that a row's scene stands for, with further labels.
-    pub(super) fn printed_of(&self, run: &TracerRun, labels: &[(&str, &str)], column: &str) -> Option<f64> {
-        let scene = self.experiment.stands_for(&run.scene)?;
+    pub(super) fn printed_of(&self, row: &Row, labels: &[(&str, &str)], column: &str) -> Option<f64> {
+        let scene = self.experiment.stands_for(&row.scene)?;
         self.printed()?.value(&[&[("scene", scene)], labels].concat(), column)
     }
 
     /// Every row with its scene.
-    pub(super) fn all(&self) -> impl Iterator<Item = Row<'a>> + use<'a> {
-        self.rows.scenes.iter().flat_map(|scene| scene.runs.iter().map(move |run| (scene, *run)))
+    pub(super) fn all(&self) -> impl Iterator<Item = TableRow<'a>> + use<'a> {
+        self.rows.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row)))
     }
 
     /// Those of a tracer.
-    pub(super) fn of_tracer(&self, tracer: &'static str) -> impl Iterator<Item = Row<'a>> + use<'a> {
-        self.all().filter(move |(_, run)| run.tracer.name == tracer)
+    pub(super) fn of_tracer(&self, tracer: &'static str) -> impl Iterator<Item = TableRow<'a>> + use<'a> {
+        self.all().filter(move |(_, row)| row.tracer.name == tracer)
     }
 }
 
 fn broken(error: &DataError) -> ReportError {
-    ReportError::Made { what: "the page".to_owned(), reason: error.to_string() }
+    ReportError::NotMade { what: "the page".to_owned(), reason: error.to_string() }
 }
 
 /// An experiment over a run.
-pub(crate) fn report(paper: &Paper, experiment: &Experiment, run: &Run) -> Result<Report, ReportError> {
-    let mut run = run.clone();
-    run.runs.retain(|one| experiment.holds(&one.tracer.name));
-    let rows = Rows::of(&run);
+pub(crate) fn report(paper: &Paper, experiment: &Experiment, record: &Record) -> Result<Report, ReportError> {
+    let mut record = record.clone();
+    record.rows.retain(|one| experiment.holds(&one.tracer.name));
+    let rows = Rows::of(&record);
     let published = paper.published().map_err(|error| broken(&error))?;
     let all = paper.claims().map_err(|error| broken(&error))?;
     let own = all.iter().filter(|claim| claim.table() == Some(experiment.name));
@@ -68,18 +68,20 @@ pub(crate) fn report(paper: &Paper, experiment: &Experiment, run: &Run) -> Resul
     let charts: Vec<_> = experiment.charts.iter().flat_map(|charts| charts(&page)).collect();
     let is_beside = |table: &&PublishedTable| experiment.published.contains(&table.id.as_str());
     let beside: Vec<_> = published.tables.iter().filter(is_beside).collect();
-    let document = summary::head(&run, &format!("Table {}: {}", experiment.name, experiment.summary))
-        .and(notes(experiment, &rows))
-        .and(published::section(&published.paper, &beside))
-        .and(measured::sections(&page))
-        .and(charts.iter().map(|chart| Document::default().chart(&chart.stem, &chart.title)))
-        .and(claims::section(&judged))
-        .and(summary::skipped(&run.skipped));
+    let document =
+        summary::head(&record, &format!("Table {}: {}", experiment.name, experiment.summary))
+            .and(notes(experiment, &rows))
+            .and(published::section(&published.paper, &beside))
+            .and(measured::sections(&page))
+            .and(charts.into_iter().map(|chart| {
+                Document::default().chart(chart.stem.clone(), chart.title.clone(), series(&record, chart))
+            }))
+            .and(claims::section(&judged))
+            .and(summary::skipped(&record.skipped));
     let verdicts = format!("verdicts_{}.json", experiment.name.replace('-', "_"));
     Ok(Report {
         pages: vec![(format!("{}.md", peers::stem(experiment.name)), document)],
         data: vec![(verdicts.clone(), claims::json(&verdicts, &judged)?)],
-        charts: charts.into_iter().map(|chart| series(&run, chart)).collect(),
         ..Report::default()
     })
 }
@@ -94,7 +96,7 @@ fn notes(experiment: &Experiment, rows: &Rows<'_>) -> Document {
         ));
     }
     notes.extend(rows.scenes.iter().map(|scene| {
-        let record = &scene.runs[0].scene;
+        let record = &scene.rows[0].scene;
         let of = &record.name;
         match experiment.stands_for(record) {
             Some(published) => format!("{of} stands for the paper's {published}."),

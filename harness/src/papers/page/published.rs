@@ -9,15 +9,16 @@ use crate::report::sheet::{Sheet, Table};
 /// The published tables beside which an experiment stands.
 pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> Document {
     let Publication { title, venue, year, hardware, .. } = paper;
-    let page =
-        Document::default().heading(2, "Published").words(format!("{title}, {venue} {year}. Measured on: {hardware}."));
+    let page = Document::default()
+        .heading(2, "Published")
+        .paragraph(format!("{title}, {venue} {year}. Measured on: {hardware}."));
     if tables.is_empty() {
-        return page.words("The claims below are all that is stated.");
+        return page.paragraph("The claims below are all that is stated.");
     }
     page.and(tables.iter().map(|table| {
         let page = Document::of(format!("**{}**: {}.", table.place, table.what));
         let page = match &table.rows {
-            None => page.words("The figure is not available: its numbers stood in a picture alone."),
+            None => page.paragraph("The figure is not available: its numbers stood in a picture alone."),
             Some(all) => page.table(rows(table, all)),
         };
         let scopes = scopes(table).into_iter().map(|(names, scope)| format!("{}: {scope}.", names.join(", ")));
@@ -40,11 +41,11 @@ fn scopes(table: &PublishedTable) -> Vec<(Vec<&str>, &str)> {
 fn rows(table: &PublishedTable, rows: &[PublishedRow]) -> Table {
     let mut sheet = Sheet::<PublishedRow>::new();
     for name in rows.iter().flat_map(|row| row.labels.keys()).collect::<BTreeSet<_>>() {
-        sheet = sheet.told(name, move |row| row.labels.get(name).cloned().unwrap_or_default());
+        sheet = sheet.column(name, move |row| row.labels.get(name).cloned().unwrap_or_default());
     }
     for (place, PublishedColumn { name, unit, .. }) in table.columns.iter().enumerate() {
         let heading = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
-        sheet = sheet.told(heading, move |row| Some(row.values.get(place).copied()??.to_string()));
+        sheet = sheet.column(heading, move |row| Some(row.values.get(place).copied()??.to_string()));
     }
     sheet.table(rows)
 }

@@ -1,9 +1,9 @@
 //! VVP16's tables and figures.
 
-use tracebench_api::EndPoint;
+use tracebench_api::TraceTo;
 
 use super::{ABUFFER, abuffer, charts, sections};
-use crate::papers::experiment::{Experiment, Row, StandIn, Step, at, at_time, peer, stands_for};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Step, at, at_time, peer, stands_for};
 use crate::papers::page::beside::beside;
 use crate::papers::wkp15::quadtree;
 
@@ -27,7 +27,7 @@ const TABLE1: Experiment = Experiment {
     published: &["vvp16-table1", "vvp16-buckets"],
     scenes: OF_TABLE_1,
     rays: "diffuse,bounce2,ao",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(
         1.0,
         &[abuffer(&[]), abuffer(&[("skip_bounds", OFF), ("skip_buckets", OFF)]), abuffer(&[("buckets", &["8", "12"])])],
@@ -64,7 +64,7 @@ const TABLE2: Experiment = Experiment {
     ..Experiment::DEFAULT
 };
 
-const MOVING: &[Row] = &[abuffer(&[])];
+const MOVING: &[ExperimentRow] = &[abuffer(&[])];
 
 /// Figure 10.
 const FIGURE10: Experiment = Experiment {
@@ -73,7 +73,7 @@ const FIGURE10: Experiment = Experiment {
     published: &["vvp16-figure10"],
     scenes: &[stands_for("foliage", "Fairy Forest"), stands_for("cloth", "Cloth-ball")],
     rays: "diffuse",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at_time(0.5, MOVING), at_time(1.5, MOVING), at_time(2.5, MOVING)],
     sections: &[sections::frames],
     notes: &[
@@ -91,7 +91,7 @@ const FIGURE11: Experiment = Experiment {
     published: &["vvp16-figure11"],
     scenes: &[stands_for("atrium", "Sponza"), stands_for("foliage", "Ruins")],
     rays: "diffuse",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(
         1.0,
         &[
@@ -103,7 +103,7 @@ const FIGURE11: Experiment = Experiment {
             peer("ray-query"),
         ],
     )],
-    means: true,
+    launch: true,
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "lbvh-gpu, built on the device, stands for TRBVH; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
@@ -121,7 +121,7 @@ const FIGURE12: Experiment = Experiment {
     published: &["vvp16-figure12", "vvp16-figure12-scenes", "vvp16-gains", "vvp16-construction"],
     scenes: &[stands_for("atrium", "Dead Nature"), stands_for("hangar", "Sponza"), stands_for("foliage", "Ruins")],
     rays: "pixel-random",
-    end: EndPoint::Surface,
+    trace_to: TraceTo::Surface,
     steps: &[at(
         1.0,
         &[
@@ -140,7 +140,7 @@ const FIGURE12: Experiment = Experiment {
     notes: &[
         "The stand-ins are chosen by their layers in one view: 3, 7 and 16 fragments a pixel in the paper.",
         "The paper has 20 random rays a pixel of 800x800 and does not say from where; here they start from what the pixels see. \
-         `--set rays.pixel_random_count=N` makes them fewer, `--size 800x800 --frame 800x800` has the paper's pixels.",
+         `--set rays.pixel_random_count=N` makes them fewer, `--size 800x800 --frame-size 800x800` has the paper's pixels.",
         "The stored colour of a hit is its normal and material here.",
     ],
     ..Experiment::DEFAULT

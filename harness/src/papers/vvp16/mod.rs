@@ -10,9 +10,9 @@ mod sections;
 pub(super) mod tests;
 
 use super::experiment::Values;
-use super::{Experiment, Paper, Part, Row, SceneRows, Step};
+use super::{Experiment, ExperimentRow, Paper, Part, SceneRows, Step};
 use crate::plan::TracerRequest;
-use crate::results::TracerRun;
+use crate::results::Row;
 pub(super) use quantities::memory::bytes_over_formula;
 
 /// The paper.
@@ -38,20 +38,20 @@ pub(super) const PAPER: Paper = Paper {
 };
 
 /// What Table 2 counts: the words of pixels, the id buffer and the data buffer.
-pub(super) fn by_formula(run: &TracerRun) -> Option<f64> {
-    (run.tracer.name == ABUFFER).then(|| quantities::memory::ledger(run).iter().sum())
+pub(super) fn by_formula(row: &Row) -> Option<f64> {
+    (row.tracer.name == ABUFFER).then(|| quantities::memory::ledger(row).iter().sum())
 }
 
 /// Its tracer.
 pub(super) const ABUFFER: &str = "fragment-abuffer";
 
 /// Its tracer with every combination of values.
-pub(super) const fn abuffer(values: Values) -> Row {
-    Row { tracer: ABUFFER, values }
+pub(super) const fn abuffer(values: Values) -> ExperimentRow {
+    ExperimentRow { tracer: ABUFFER, values }
 }
 
 /// Its tracer's row with these values, and else those of its first row.
-pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a Row> {
     scene.like_first(ABUFFER, values)
 }
 

@@ -1,21 +1,21 @@
 //! What pages of VVP16's tables and figures show before their rows.
 
 use super::quantities::peers::SAMPLES;
-use super::quantities::variants::{STORAGES, WAYS, with};
+use super::quantities::variants::{STORAGES, UPDATE_MODES, with};
 use super::quantities::{counted, memory, rays, search};
 use super::{ABUFFER, PAPER, skipping};
 use crate::papers::page::Page;
-use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, over_first, time_of, time_with_accuracy};
+use crate::papers::page::measured::{TIMES, TableRow, ms_of, of_rows, over, over_first, time_of, time_with_accuracy};
 use crate::papers::rows::{statistic, trace};
 use crate::papers::{SceneRows, Scope};
 use crate::report::document::Document;
 use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
-use crate::results::{TraceRecord, TracerRun, host_ms};
+use crate::results::{Row, TraceRecord, host_ms};
 
 /// A part of Table 1.
 struct Part<'a> {
-    row: Row<'a>,
+    row: TableRow<'a>,
     /// What is traced.
     rays: &'static str,
     /// How the published columns of it end.
@@ -38,7 +38,7 @@ impl Part<'_> {
 }
 
 /// One and two bounces and ambient occlusion of a scene's row with skipping and of the same without.
-fn parts((scene, on): Row<'_>) -> Vec<Part<'_>> {
+fn parts((scene, on): TableRow<'_>) -> Vec<Part<'_>> {
     let Some(off) = scene.like_first(ABUFFER, &skipping("off")) else { return Vec::new() };
     let part = |rays, columns, effect, traces| Part { row: (scene, on), rays, columns, effect, traces };
     let mut parts = Vec::new();
@@ -55,54 +55,58 @@ fn parts((scene, on): Row<'_>) -> Vec<Part<'_>> {
 
 /// Two figures in one cell.
 fn both(one: Cell, other: Cell) -> String {
-    format!("{} / {}", one.told(), other.told())
+    format!("{} / {}", one.describe(), other.describe())
 }
 
 /// The first row of every scene.
-fn first<'a>(page: &Page<'a>) -> Vec<Row<'a>> {
+fn first<'a>(page: &Page<'a>) -> Vec<TableRow<'a>> {
     page.rows.scenes.iter().filter_map(|scene| Some((scene, scene.like_first(ABUFFER, &[])?))).collect()
 }
 
 /// Table 1: layers, views, efficiency and times, with what skipping gains beside the published gain.
 pub(super) fn bounces(page: &Page<'_>) -> Document {
     let rows = first(page);
-    let own = |run: &TracerRun, name: &str| Cell::from(statistic(run, name).map(Cell::Statistic));
-    let printed = |run: &TracerRun, column: &str, digits| Cell::number(page.printed_of(run, &[], column), digits);
-    let structures = Sheet::<Row<'_>>::new()
-        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
-        .told("memory (MiB) ↓", |(_, on)| PAPER.bytes(on, Scope::Structure).map(Cell::Bytes))
-        .told("fragments", |(_, on)| own(on, "fragments"))
-        .told("layers of a covered pixel / most", |(_, on)| both(own(on, "average_layers"), own(on, "maximum_layers")))
-        .told("layers of a pixel", |(_, on)| over(statistic(on, "fragments"), statistic(on, "pixels")))
-        .told("published: MB", |(_, on)| printed(on, "Memory", 4))
-        .told("million fragments", |(_, on)| printed(on, "Fragments", 4))
-        .told("avg / max layers", |(_, on)| both(printed(on, "Avg layers", 3), printed(on, "Max layers", 3)));
+    let own = |row: &Row, name: &str| Cell::from(statistic(row, name).map(Cell::Statistic));
+    let printed = |row: &Row, column: &str, digits| Cell::number(page.printed_of(row, &[], column), digits);
+    let structures = Sheet::<TableRow<'_>>::new()
+        .column("scene", |(scene, _)| Cell::Name(scene.label.clone()))
+        .column("memory (MiB) ↓", |(_, on)| PAPER.bytes(on, Scope::Structure).map(Cell::Bytes))
+        .column("fragments", |(_, on)| own(on, "fragments"))
+        .column("layers of a covered pixel / most", |(_, on)| {
+            both(own(on, "average_layers"), own(on, "maximum_layers"))
+        })
+        .column("layers of a pixel", |(_, on)| over(statistic(on, "fragments"), statistic(on, "pixels")))
+        .column("published: MB", |(_, on)| printed(on, "Memory", 4))
+        .column("million fragments", |(_, on)| printed(on, "Fragments", 4))
+        .column("avg / max layers", |(_, on)| both(printed(on, "Avg layers", 3), printed(on, "Max layers", 3)));
     let traces = Sheet::<Part<'_>>::new()
-        .told("scene", |part| Cell::Name(part.row.0.label.clone()))
-        .told("rays", |part| part.rays)
-        .told("layers a ray", |Part { traces: [with, _], .. }| {
+        .column("scene", |part| Cell::Name(part.row.0.label.clone()))
+        .column("rays", |part| part.rays)
+        .column("layers a ray", |Part { traces: [with, _], .. }| {
             over(counted(with, "fragments_tested"), Some(rays(with)))
         })
-        .told("layers a pixel opened", |part| Cell::number(search::layers(&part.traces[0]), 3))
-        .told("views a ray", |part| Cell::number(search::views(&part.traces[0]), 3))
-        .told("efficiency of skipping (%)", |part| {
+        .column("layers a pixel opened", |part| Cell::number(search::layers(&part.traces[0]), 3))
+        .column("views a ray", |part| Cell::number(search::views(&part.traces[0]), 3))
+        .column("efficiency of skipping (%)", |part| {
             Cell::number(search::efficiency(&part.traces[0]).map(|share| 100.0 * share), 3)
         })
-        .told("with skipping (ms) ↓", |part| time_with_accuracy(&part.traces[0]))
-        .told("without (ms) ↓", |part| time_with_accuracy(&part.traces[1]))
-        .told("without over with", |part| over(part.ms(1), part.ms(0)))
-        .told("published: layers / views", |part| {
+        .column("with skipping (ms) ↓", |part| time_with_accuracy(&part.traces[0]))
+        .column("without (ms) ↓", |part| time_with_accuracy(&part.traces[1]))
+        .column("without over with", |part| over(part.ms(1), part.ms(0)))
+        .column("published: layers / views", |part| {
             let [layers, views] = ["Avg layers", "Avg views"].map(|start| part.printed(page, start, ""));
             both(Cell::number(layers, 2), Cell::number(views, 2))
         })
-        .told("efficiency (%)", |part| Cell::number(part.printed(page, "Empty space efficiency", ""), 3))
-        .told("off over on", |part| over(part.printed(page, "1spp", ", skipping off"), part.printed(page, "1spp", "")));
+        .column("efficiency (%)", |part| Cell::number(part.printed(page, "Empty space efficiency", ""), 3))
+        .column("off over on", |part| {
+            over(part.printed(page, "1spp", ", skipping off"), part.printed(page, "1spp", ""))
+        });
     let parts: Vec<Part<'_>> = rows.iter().copied().flat_map(parts).collect();
-    Document::default().table(structures.table(&rows)).words(TIMES).table(traces.table(&parts))
+    Document::default().table(structures.table(&rows)).paragraph(TIMES).table(traces.table(&parts))
 }
 
 /// Bytes of each part of Table 2 by its formula with the device's own counts, and by the ledger, with all that is used.
-type Formula<'a> = (Row<'a>, [f64; 3], [f64; 3], f64);
+type Formula<'a> = (TableRow<'a>, [f64; 3], [f64; 3], f64);
 
 /// The formula of Table 2 beside what the ledger says is used.
 pub(super) fn formula(page: &Page<'_>) -> Document {
@@ -114,19 +118,21 @@ pub(super) fn formula(page: &Page<'_>) -> Document {
         );
     }
     let count =
-        |name| Column::told(name, move |((_, run), ..): &Formula<'_>| statistic(run, name).map(|count| count as u64));
+        |name| Column::new(name, move |((_, row), ..): &Formula<'_>| statistic(row, name).map(|count| count as u64));
     let all = |ledger: &[f64; 3]| ledger.iter().sum::<f64>();
     let mut sheet = of_rows::<Formula<'_>>(|(row, ..)| *row)
         .and(count("pixels").headed("pixels of all views"))
         .and(count("fragments"));
     for (part, name) in ["words of pixels", "id buffer", "data"].into_iter().enumerate() {
         sheet = sheet
-            .told(format!("{name}: formula (bytes)"), move |(_, formula, ..)| formula[part] as u64)
-            .told("ledger over formula", move |(_, formula, ledger, _)| Cell::Number(ledger[part] / formula[part], 6));
+            .column(format!("{name}: formula (bytes)"), move |(_, formula, ..)| formula[part] as u64)
+            .column("ledger over formula", move |(_, formula, ledger, _)| {
+                Cell::Number(ledger[part] / formula[part], 6)
+            });
     }
     sheet = sheet
-        .told("all three (MiB)", |(.., ledger, _)| Cell::Bytes(all(ledger)))
-        .told("in the ledger and not in Table 2 (bytes)", |(.., ledger, used)| (used - all(ledger)) as u64);
+        .column("all three (MiB)", |(.., ledger, _)| Cell::Bytes(all(ledger)))
+        .column("in the ledger and not in Table 2 (bytes)", |(.., ledger, used)| (used - all(ledger)) as u64);
     Document::of("Bytes used:").table(sheet.table(&rows))
 }
 
@@ -134,20 +140,20 @@ pub(super) fn formula(page: &Page<'_>) -> Document {
 pub(super) fn variants(page: &Page<'_>) -> Document {
     let rows: Vec<_> = page.rows.scenes.iter().flat_map(|scene| STORAGES.map(|storage| (scene, storage))).collect();
     let time = |(scene, storage): &(&SceneRows<'_>, &str), way: usize| {
-        time_of(with(scene, storage, WAYS[way].1)?, &[page.experiment.rays])
+        time_of(with(scene, storage, UPDATE_MODES[way].1)?, &[page.experiment.rays])
     };
     let gain = |row: &(&SceneRows<'_>, &str), from: usize, to: usize| {
         let gained = |from: f64, to: f64| Cell::Number(100.0 * (from / to - 1.0), 3);
         Some(gained(time(row, from)?.value, time(row, to)?.value))
     };
     let sheet = Sheet::<(&SceneRows<'_>, &str)>::new()
-        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
-        .told("storage", |(_, storage)| (*storage).to_owned())
-        .told("default (ms) ↓", |row| time(row, 0))
-        .told("decoupled (ms) ↓", |row| time(row, 1))
-        .told("gain in speed (%)", |row| gain(row, 0, 1))
-        .told("with skipping (ms) ↓", |row| time(row, 2))
-        .told("further gain (%)", |row| gain(row, 1, 2));
+        .column("scene", |(scene, _)| Cell::Name(scene.label.clone()))
+        .column("storage", |(_, storage)| (*storage).to_owned())
+        .column("default (ms) ↓", |row| time(row, 0))
+        .column("decoupled (ms) ↓", |row| time(row, 1))
+        .column("gain in speed (%)", |row| gain(row, 0, 1))
+        .column("with skipping (ms) ↓", |row| time(row, 2))
+        .column("further gain (%)", |row| gain(row, 1, 2));
     Document::of(TIMES).table(sheet.table(&rows))
 }
 
@@ -155,41 +161,41 @@ pub(super) fn variants(page: &Page<'_>) -> Document {
 pub(super) fn views_and_layers(page: &Page<'_>) -> Document {
     let mut section = Document::of(format!("{TIMES} Ratios are to the first row of a part."));
     for scene in page.rows.scenes.iter().flat_map(SceneRows::by_resolution) {
-        let Some(first) = scene.runs.first().copied() else { continue };
-        let mut sheet = Sheet::<&TracerRun>::new().told("tracer", |run| run.label());
+        let Some(first) = scene.rows.first().copied() else { continue };
+        let mut sheet = Sheet::<&Row>::new().column("tracer", |row| row.label());
         for set in scene.ray_sets() {
-            sheet = sheet.told(format!("{set} (ms) ↓"), move |run| time_of(run, &[set])).and(over_first(
+            sheet = sheet.column(format!("{set} (ms) ↓"), move |row| time_of(row, &[set])).and(over_first(
                 "ratio",
                 first,
-                move |run| ms_of(run, &[set]),
+                move |row| ms_of(row, &[set]),
             ));
         }
         let name = page.experiment.stands_for(&first.scene).map_or_else(String::new, |name| format!(" for {name}"));
         let [[width, height], [columns, lines]] = [first.viewpoint.ray_image, first.viewpoint.frame];
         let (label, face) = (literal(&scene.label), first.viewpoint.face);
         section = section
-            .words(format!("**{label}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {face}"))
-            .table(sheet.table(&scene.runs));
+            .paragraph(format!("**{label}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {face}"))
+            .table(sheet.table(&scene.rows));
     }
     section
 }
 
 /// Figure 10: build and samples of every frame, with their ratio beside the published one.
 pub(super) fn frames(page: &Page<'_>) -> Document {
-    let samples = |run: &TracerRun| Some(SAMPLES * ms_of(run, &["diffuse"])?);
-    let printed = |run: &TracerRun| ["Construction", "Tracing"].map(|column| page.printed_of(run, &[], column));
-    let sheet = Sheet::<Row<'_>>::new()
-        .told("scene", |(_, run)| Cell::Name(run.scene.name.clone()))
-        .told("frame at (s)", |(_, run)| run.viewpoint.time_s.to_string())
-        .told("build (ms) ↓", |(_, run)| host_ms(run.build.steady()))
-        .told("one sample a pixel (ms) ↓", |(_, run)| time_of(run, &["diffuse"]))
-        .told("four samples over build", |(_, run)| over(samples(run), host_ms(run.build.steady())))
-        .told("published: build / four samples (ms)", |(_, run)| {
-            let [build, samples] = printed(run);
+    let samples = |row: &Row| Some(SAMPLES * ms_of(row, &["diffuse"])?);
+    let printed = |row: &Row| ["Construction", "Tracing"].map(|column| page.printed_of(row, &[], column));
+    let sheet = Sheet::<TableRow<'_>>::new()
+        .column("scene", |(_, row)| Cell::Name(row.scene.name.clone()))
+        .column("frame at (s)", |(_, row)| row.viewpoint.time_s.to_string())
+        .column("build (ms) ↓", |(_, row)| host_ms(row.build.steady()))
+        .column("one sample a pixel (ms) ↓", |(_, row)| time_of(row, &["diffuse"]))
+        .column("four samples over build", |(_, row)| over(samples(row), host_ms(row.build.steady())))
+        .column("published: build / four samples (ms)", |(_, row)| {
+            let [build, samples] = printed(row);
             both(Cell::number(build, 2), Cell::number(samples, 3))
         })
-        .told("four samples over build", |(_, run)| {
-            let [build, samples] = printed(run);
+        .column("four samples over build", |(_, row)| {
+            let [build, samples] = printed(row);
             over(samples, build)
         });
     Document::of(TIMES).table(sheet.table(&first(page)))

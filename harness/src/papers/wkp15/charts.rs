@@ -6,20 +6,20 @@ use crate::papers::page::Page;
 use crate::papers::page::charts::{stem, subtitle};
 use crate::papers::rows::{footprint, trace};
 use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
-use crate::results::{TracerRun, host_ms};
+use crate::results::{Row, host_ms};
 
 /// Time of a ray set; none where the rays could not be judged.
-fn time(run: &TracerRun, rays: &str) -> Option<f64> {
-    let traced = trace(run, rays).filter(|trace| footprint(trace).is_some())?;
+fn time(row: &Row, rays: &str) -> Option<f64> {
+    let traced = trace(row, rays).filter(|trace| footprint(trace).is_some())?;
     host_ms(&traced.times)
 }
 
 /// Rays that are wrong under `footprint`, percent.
-fn wrong(run: &TracerRun, rays: &str) -> Option<f64> {
-    Some(100.0 * (1.0 - footprint(trace(run, rays)?)?))
+fn wrong(row: &Row, rays: &str) -> Option<f64> {
+    Some(100.0 * (1.0 - footprint(trace(row, rays)?)?))
 }
 
-type Of = fn(&TracerRun, &str) -> Option<f64>;
+type Of = fn(&Row, &str) -> Option<f64>;
 const PANELS: [(&str, &str, Of); 2] =
     [("Time", "time (ms, host clock)", time), ("Error", "wrong under footprint (%)", wrong)];
 
@@ -29,9 +29,9 @@ pub(super) fn thresholds(page: &Page<'_>) -> Vec<SeriesChart> {
         ANGLES.iter().zip(DISTANCES).map(|(angle, distance)| format!("{angle}° / {distance}")).collect();
     let chart = |scene: &SceneRows<'_>| {
         let panel = |(title, quantity, of): &(&str, &str, Of)| {
-            let line = |(label, rows): (&str, Vec<Option<&TracerRun>>)| Series {
+            let line = |(label, rows): (&str, Vec<Option<&Row>>)| Series {
                 label: label.to_owned(),
-                values: rows.into_iter().map(|run| of(run?, "stereo")).collect(),
+                values: rows.into_iter().map(|row| of(row?, "stereo")).collect(),
                 dashed: false,
             };
             SeriesPanel {

@@ -1,7 +1,9 @@
 //! WKP15's tables and figures.
 
 use super::{FIELD, SAMPLES_A_RAY, charts, dda, quadtree, sections};
-use crate::papers::experiment::{Experiment, Row, StandIn, Step, Values, at, at_scale, of_rays, peer, stands_for};
+use crate::papers::experiment::{
+    Experiment, ExperimentRow, StandIn, Step, Values, at, at_scale, of_rays, peer, stands_for,
+};
 
 /// Every one, in the order of lists.
 pub(super) const EXPERIMENTS: &[Experiment] =
@@ -16,7 +18,7 @@ const SEQUENCES: &[StandIn] =
 /// What stands for the scene of detailed geometry with large differences of depth.
 pub(super) const DETAILED: &str = "foliage";
 const LAYERS: &[&str] = &["1", "2"];
-const OF_LAYERS: &[Row] = &[quadtree(&[("layers", LAYERS)])];
+const OF_LAYERS: &[ExperimentRow] = &[quadtree(&[("layers", LAYERS)])];
 
 /// Triangles of the paper's largest scene over those of the one that stands for it here.
 const LARGEST: f64 = 15.5;
@@ -58,7 +60,7 @@ const TABLE2: Experiment = Experiment {
     scenes: SEQUENCES,
     rays: "stereo",
     steps: &[at(1.0, &[quadtree(&[("layers", LAYERS)]), dda(STEREO_STEPS), peer(FIELD)])],
-    means: true,
+    launch: true,
     sections: &[sections::stereo],
     notes: &[
         CAPPED,
@@ -71,7 +73,7 @@ const TABLE2: Experiment = Experiment {
 };
 
 const EARLIEST: &[(&str, &str)] = &[("temporal_shift_s", "0.0166667")];
-const WARPED: &[Row] = &[quadtree(&[("layers", LAYERS)]), dda(TEMPORAL_STEPS), peer(FIELD)];
+const WARPED: &[ExperimentRow] = &[quadtree(&[("layers", LAYERS)]), dda(TEMPORAL_STEPS), peer(FIELD)];
 
 /// Table 3.
 const TABLE3: Experiment = Experiment {
@@ -85,7 +87,7 @@ const TABLE3: Experiment = Experiment {
         of_rays(&[("temporal_shift_s", "0.0333333")], WARPED),
         of_rays(&[("temporal_shift_s", "0.05")], WARPED),
     ],
-    means: true,
+    launch: true,
     sections: &[sections::temporal],
     notes: &[
         CAPPED,
@@ -115,7 +117,7 @@ const TABLE4: Experiment = Experiment {
         Step { resolution: 0.5, ..of_rays(EIGHT_RAYS, OF_LAYERS) },
         Step { resolution: 0.5, ..of_rays(&[("lens_count", "32")], OF_LAYERS) },
     ],
-    means: true,
+    launch: true,
     sections: &[sections::lens],
     notes: &[
         CAPPED,
@@ -211,7 +213,7 @@ const FIGURE15: Experiment = Experiment {
 };
 
 const FEW_CAMERAS: &[(&str, &str)] = &[("light_field_cameras", "4")];
-const BESIDE_HIERARCHIES: &[Row] =
+const BESIDE_HIERARCHIES: &[ExperimentRow] =
     &[quadtree(&[("layers", LAYERS)]), peer("lbvh-gpu"), peer("bvh-gpu"), peer("ray-query")];
 
 /// Section 5.3.
@@ -222,7 +224,7 @@ const LIGHT_FIELD: Experiment = Experiment {
     scenes: SEQUENCES,
     rays: "light-field",
     steps: &[of_rays(FEW_CAMERAS, BESIDE_HIERARCHIES), of_rays(&[("light_field_cameras", "16")], BESIDE_HIERARCHIES)],
-    means: true,
+    launch: true,
     sections: &[sections::light_field],
     notes: &[
         "The cameras divide one image among them, so that the number of rays stays. The paper has a view of each eye and does not state how \
@@ -237,8 +239,8 @@ pub(super) const NEAR: &[(&str, &str)] = &[("stereo_offset", "0.032"), ("tempora
 const FAR: &[(&str, &str)] = &[("stereo_offset", "0.128"), ("temporal_shift_s", "0.5")];
 pub(super) const FARTHEST: &[(&str, &str)] = &[("stereo_offset", "0.512"), ("temporal_shift_s", "1")];
 /// One layer whose holes stay holes.
-const NOT_INPAINTED: Row = quadtree(&[("layers", &["1"]), ("inpainting", &["never"])]);
-const DISPLACED: &[Row] = &[
+const NOT_INPAINTED: ExperimentRow = quadtree(&[("layers", &["1"]), ("inpainting", &["never"])]);
+const DISPLACED: &[ExperimentRow] = &[
     quadtree(&[("layers", &["2", "1"])]),
     quadtree(&[("minimum_separation", &["0.005", "0.02"])]),
     quadtree(&[("back_faces", &["culled"])]),

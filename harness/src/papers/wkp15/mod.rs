@@ -10,9 +10,9 @@ mod sections;
 mod tests;
 
 use super::experiment::Values;
-use super::{Experiment, Paper, Part, Resolutions, Row, SceneRows, Step};
+use super::{Experiment, ExperimentRow, Paper, Part, Resolutions, SceneRows, Step};
 use crate::plan::TracerRequest;
-use crate::results::TracerRun;
+use crate::results::Row;
 
 /// The paper.
 pub(super) const PAPER: Paper = Paper {
@@ -49,22 +49,22 @@ const FIELD: &str = "height-field";
 const SAMPLES_A_RAY: &str = "secondary_samples";
 
 /// Its tracer with every combination of values.
-pub(super) const fn quadtree(values: Values) -> Row {
-    Row { tracer: QUADTREE, values }
+pub(super) const fn quadtree(values: Values) -> ExperimentRow {
+    ExperimentRow { tracer: QUADTREE, values }
 }
 
 /// The marching peer with every combination of values.
-const fn dda(values: Values) -> Row {
-    Row { tracer: DDA, values }
+const fn dda(values: Values) -> ExperimentRow {
+    ExperimentRow { tracer: DDA, values }
 }
 
 /// Its tracer's row with these values, and else those of its first row.
-pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a Row> {
     scene.like_first(QUADTREE, values)
 }
 
 /// A row of one layer and one of two.
-fn one_and_two<'a>(scene: &SceneRows<'a>, tracer: &str) -> Option<[&'a TracerRun; 2]> {
+fn one_and_two<'a>(scene: &SceneRows<'a>, tracer: &str) -> Option<[&'a Row; 2]> {
     let [one, two] = ["1", "2"].map(|layers| scene.like_first(tracer, &[("layers", layers)]));
     Some([one?, two?])
 }

@@ -5,7 +5,7 @@ use super::*;
 /// Primary rays start at the eye and go through the centres of the pixels, from the top left on.
 #[test]
 fn primary_rays_go_through_pixel_centres() {
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     let view = Viewpoint { frame: IMAGE, ..floor.viewpoint }.frame_view();
     for (pixel, ray) in floor.make("primary").iter().enumerate() {
         assert_eq!(Vec3::from(ray.origin), floor.viewpoint.eye);
@@ -18,7 +18,7 @@ fn primary_rays_go_through_pixel_centres() {
 /// The second eye stands 3.2 cm to the right and looks the same way.
 #[test]
 fn stereo_moves_the_eye_to_the_right() {
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     let right = floor.viewpoint.frame_view().right * 0.032;
     for (ray, first) in floor.make("stereo").iter().zip(floor.make("primary").iter()) {
         assert!((origin(ray) - origin(first) - right).length() < 1e-6 && ray.direction == first.direction);
@@ -29,7 +29,7 @@ fn stereo_moves_the_eye_to_the_right() {
 /// nothing has moved.
 #[test]
 fn temporal_follows_the_camera_path() {
-    let room = Place::room();
+    let room = TestScene::room();
     let camera = room.path.as_ref().unwrap().at(0.5);
     let later = Pose::from(&camera).viewpoint(room.truth.geometry(), IMAGE, 1);
     let expected = primary_rays(&later, IMAGE);
@@ -39,8 +39,8 @@ fn temporal_follows_the_camera_path() {
     }
     let same = |a: &[Ray], b: &[Ray]| a.iter().zip(b).all(|(a, b)| direction(a).distance(direction(b)) < 1e-5);
     assert!(!same(&room.make("temporal"), &room.make("primary")));
-    assert!(same(&Place::room().with("temporal_shift_s", "0").make("temporal"), &room.make("primary")));
-    let floor = Place::floor();
+    assert!(same(&TestScene::room().with("temporal_shift_s", "0").make("temporal"), &room.make("primary")));
+    let floor = TestScene::floor();
     let moved = origin(&floor.make("temporal")[0]) - floor.viewpoint.eye.as_dvec3();
     assert!((moved - floor.viewpoint.forward.as_dvec3() * 0.5).length() < 1e-5);
 }
@@ -49,7 +49,7 @@ fn temporal_follows_the_camera_path() {
 /// that of what the centre shows. Without an aperture they are the primary rays.
 #[test]
 fn lens_rays_meet_in_focus() {
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     let view = Viewpoint { frame: IMAGE, ..floor.viewpoint }.frame_view();
     let meet = |rays: &[Ray], focus: f64| {
         rays.iter().zip(floor.make("primary").iter()).all(|(ray, straight)| {
@@ -63,10 +63,10 @@ fn lens_rays_meet_in_focus() {
     let depth = primary.answers[centre].hit.unwrap().t * direction(&primary.rays[centre]).dot(view.forward);
     let rays = floor.make("lens");
     assert!(meet(&rays, depth) && !meet(&rays, depth * 1.2));
-    assert!(meet(&Place::floor().with("lens_focus", "0.5").make("lens"), 25.0));
+    assert!(meet(&TestScene::floor().with("lens_focus", "0.5").make("lens"), 25.0));
     let distances: Vec<f64> = rays.iter().map(|ray| origin(ray).distance(view.eye)).collect();
     assert!(distances.iter().all(|distance| *distance <= 0.25 + 1e-5) && distances.iter().any(|each| *each > 0.2));
-    let closed = Place::floor().with("lens_aperture", "0").make("lens");
+    let closed = TestScene::floor().with("lens_aperture", "0").make("lens");
     assert!(closed.iter().zip(primary.rays.iter()).all(|(a, b)| direction(a).distance(direction(b)) < 1e-6));
 }
 
@@ -74,7 +74,7 @@ fn lens_rays_meet_in_focus() {
 /// than can be held are refused by the parameter's name.
 #[test]
 fn lenses_start_several_rays_a_pixel() {
-    let floor = Place::floor().with("lens_count", "4").with("lens_focus", "0.5");
+    let floor = TestScene::floor().with("lens_count", "4").with("lens_focus", "0.5");
     let view = Viewpoint { frame: IMAGE, ..floor.viewpoint }.frame_view();
     let (rays, straight) = (floor.make("lens"), floor.make("primary"));
     assert_eq!((rays.len(), bits(&rays).len()), (4 * straight.len(), 4 * straight.len()));
@@ -87,7 +87,7 @@ fn lenses_start_several_rays_a_pixel() {
     }
     let origins: BTreeSet<[u32; 3]> = rays.iter().map(|ray| ray.origin.map(f32::to_bits)).collect();
     assert_eq!(origins.len(), rays.len());
-    let parameters = Place::floor().with("lens_count", "64").parameters;
+    let parameters = TestScene::floor().with("lens_count", "64").parameters;
     let scene = RayScene {
         truth: &floor.truth,
         viewpoint: &floor.viewpoint,
@@ -110,7 +110,7 @@ fn lenses_start_several_rays_a_pixel() {
 /// is the viewpoint's.
 #[test]
 fn light_fields_are_squares_of_cameras() {
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     let rays = floor.make("light-field");
     let mut eyes: Vec<DVec3> = Vec::new();
     for ray in &rays {
@@ -126,7 +126,7 @@ fn light_fields_are_squares_of_cameras() {
     // The image's first pixel is the left upper camera's; its neighbour there looks four pixels to the right.
     assert!((origin(&rays[0]) - view.eye - (view.up - view.right) * 1.25).length() < 1e-4);
     assert!(rays[5].origin == rays[0].origin && rays[6].origin != rays[0].origin);
-    let one = Place::floor().with("light_field_cameras", "1").make("light-field");
+    let one = TestScene::floor().with("light_field_cameras", "1").make("light-field");
     let primary = floor.make("primary");
     assert!(one.iter().zip(&primary).all(|(a, b)| direction(a).distance(direction(b)) < 1e-6 && a.origin == b.origin));
 }

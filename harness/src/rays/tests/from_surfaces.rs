@@ -6,10 +6,10 @@ use super::*;
 /// inside out, where its normals point inward.
 #[test]
 fn rays_leave_on_the_side_that_is_seen() {
-    let solid = Place::solid();
+    let solid = TestScene::solid();
     let geometry = solid.truth.geometry();
     let turned: Vec<[u32; 3]> = geometry.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let turned = Place::new(geometry.positions.to_vec(), turned, "1.5,2,4:0,0,0");
+    let turned = TestScene::new(geometry.positions.to_vec(), turned, "1.5,2,4:0,0,0");
     for name in ["diffuse", "ao", "specular", "glossy", "visibility", "pixel-random"] {
         for place in [&solid, &turned] {
             let rays = place.make(name);
@@ -23,18 +23,18 @@ fn rays_leave_on_the_side_that_is_seen() {
 /// Mirrored rays start on mirrors alone where there are any, everywhere where there are none, and obey the law.
 #[test]
 fn specular_rays_leave_mirrors() {
-    let room = Place::room();
+    let room = TestScene::room();
     let primary = room.primary();
     let on_mirror = |answer: &Answer| answer.hit.is_some_and(|hit| room.mirrors[hit.primitive as usize]);
     let expected = primary.answers.iter().filter(|answer| on_mirror(answer)).count();
     assert_eq!(room.make("specular").len(), expected);
     assert!(expected > 0 && expected < room.hits());
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     for (ray, came) in floor.make("specular").iter().zip(floor.primary().rays.iter()) {
         let flipped = direction(came) * DVec3::new(1.0, -1.0, 1.0);
         assert!((direction(ray) - flipped).length() < 1e-6);
     }
-    let none = Place { mirrors: vec![false; 12], ..Place::solid() };
+    let none = TestScene { mirrors: vec![false; 12], ..TestScene::solid() };
     assert_eq!(none.make("specular").len(), none.hits());
 }
 
@@ -42,7 +42,7 @@ fn specular_rays_leave_mirrors() {
 #[test]
 fn glossy_rays_keep_to_the_mirrored_direction() {
     let spread = |roughness: &str| {
-        let floor = Place::floor().with("glossy_roughness", roughness);
+        let floor = TestScene::floor().with("glossy_roughness", roughness);
         let (glossy, mirrored) = (floor.make("glossy"), floor.make("specular"));
         assert!(glossy.iter().all(|ray| ray.direction[1] > 0.0));
         let cosines = glossy.iter().zip(&mirrored).map(|(ray, mirrored)| direction(ray).dot(direction(mirrored)));
@@ -56,7 +56,7 @@ fn glossy_rays_keep_to_the_mirrored_direction() {
 /// better the smoother surfaces are; its chances are its own: with those of the bounce before, facets would lie alike.
 #[test]
 fn glossy_bounces_start_at_the_hits_before() {
-    let room = Place::room().with("glossy_roughness", "0.001");
+    let room = TestScene::room().with("glossy_roughness", "0.001");
     let offset = 2.0 * ORIGIN_OFFSET_DIAGONALS * room.truth.diagonal();
     let sets = ["glossy", "glossy2", "glossy3"].map(|name| room.make(name));
     for pair in sets.windows(2) {
@@ -76,9 +76,11 @@ fn glossy_bounces_start_at_the_hits_before() {
         assert!(off * 50 < starts.len(), "{off} of {}", starts.len());
     }
     // The floor's glossy rays go up and away.
-    assert!(matches!(Place::floor().try_make("glossy2"), Err(RayError::Empty(reason)) if reason.contains("glossy")));
+    assert!(
+        matches!(TestScene::floor().try_make("glossy2"), Err(RayError::Empty(reason)) if reason.contains("glossy"))
+    );
     // In terms of the surface: how far a facet's normal lies off it is the same only where the numbers are.
-    let room = Place::room();
+    let room = TestScene::room();
     let facets = |rays: &[Ray], came: &Starts| -> Vec<f64> {
         let hits = came.rays.iter().zip(came.answers.iter()).filter_map(|(ray, answer)| Some((ray, answer.hit?)));
         let facet = |(ray, (came, hit)): (&Ray, (&Ray, crate::truth::TrueHit))| {
@@ -96,7 +98,7 @@ fn glossy_bounces_start_at_the_hits_before() {
 /// The second bounce starts where diffuse rays hit, lifted by an offset; nothing else does.
 #[test]
 fn second_bounces_start_at_diffuse_hits() {
-    let room = Place::room();
+    let room = TestScene::room();
     let diffuse = room.make("diffuse");
     let points: Vec<DVec3> = diffuse
         .iter()
@@ -123,7 +125,7 @@ fn second_bounces_start_at_diffuse_hits() {
 /// has the box when it is wound inside out.
 #[test]
 fn refraction_starts_inside_solids() {
-    let solid = Place::solid();
+    let solid = TestScene::solid();
     let rays = solid.make("refraction");
     assert_eq!(rays.len(), solid.hits());
     let came: Vec<Ray> = {
@@ -140,26 +142,28 @@ fn refraction_starts_inside_solids() {
         let sine = |ray: &Ray| (1.0 - direction(ray)[axis] * direction(ray)[axis]).max(0.0).sqrt();
         assert!((sine(ray) * 1.5 - sine(came)).abs() < 1e-5, "{ray:?}");
     }
-    let straight = Place::solid().with("refractive_index", "1").make("refraction");
+    let straight = TestScene::solid().with("refractive_index", "1").make("refraction");
     assert!(straight.iter().zip(&came).all(|(ray, came)| direction(ray).distance(direction(came)) < 1e-6));
-    assert!(matches!(Place::floor().try_make("refraction"), Err(RayError::Empty(reason)) if reason.contains("solid")));
+    assert!(
+        matches!(TestScene::floor().try_make("refraction"), Err(RayError::Empty(reason)) if reason.contains("solid"))
+    );
     let geometry = solid.truth.geometry();
     let turned: Vec<[u32; 3]> = geometry.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let turned = Place::new(geometry.positions.to_vec(), turned, "1.5,2,4:0,0,0");
+    let turned = TestScene::new(geometry.positions.to_vec(), turned, "1.5,2,4:0,0,0");
     assert!(turned.try_make("refraction").is_err());
 }
 
 /// Twenty rays a primary hit, all different; more rays than can be held are refused by name.
 #[test]
 fn pixel_random_starts_twenty_a_pixel() {
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     let rays = floor.make("pixel-random");
     assert_eq!((rays.len(), bits(&rays).len()), (20 * floor.hits(), 20 * floor.hits()));
     // The floor has one normal: directions that recur would be those of one stream.
     let directions: BTreeSet<[u32; 3]> = rays.iter().map(|ray| ray.direction.map(f32::to_bits)).collect();
     assert_eq!(directions.len(), rays.len());
     assert!(rays.chunks(20).all(|chunk| chunk.iter().all(|ray| ray.origin == chunk[0].origin)));
-    assert_eq!(Place::floor().with("pixel_random_count", "3").make("pixel-random").len(), 3 * floor.hits());
+    assert_eq!(TestScene::floor().with("pixel_random_count", "3").make("pixel-random").len(), 3 * floor.hits());
     let scene = RayScene {
         truth: &floor.truth,
         viewpoint: &floor.viewpoint,

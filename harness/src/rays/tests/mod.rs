@@ -14,7 +14,7 @@ use crate::truth::Ray64;
 use crate::viewpoint::Pose;
 
 /// A scene with a viewpoint, and what rays are made from.
-struct Place {
+struct TestScene {
     truth: Truth,
     viewpoint: Viewpoint,
     path: Option<CameraPath>,
@@ -25,7 +25,7 @@ struct Place {
 
 const IMAGE: [u32; 2] = [24, 16];
 
-impl Place {
+impl TestScene {
     fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, pose: &str) -> Self {
         let geometry = Geometry::new(positions, triangles, None).unwrap();
         let viewpoint = Pose::parse(pose).unwrap().viewpoint(&geometry, [4, 4], 4);
@@ -114,8 +114,8 @@ fn bits(rays: &[Ray]) -> BTreeSet<[u32; 8]> {
 /// other rays by another seed where chance has a part.
 #[test]
 fn every_set_is_sound_and_repeats() {
-    let room = Place::room();
-    let reseeded = Place { seed: 6, ..Place::room() };
+    let room = TestScene::room();
+    let reseeded = TestScene { seed: 6, ..TestScene::room() };
     for set in RAY_SETS {
         // The room is closed: what is entered is its furniture, which all sets can show.
         let rays = room.make(set.name);
@@ -124,7 +124,7 @@ fn every_set_is_sound_and_repeats() {
         assert!(rays.iter().all(|ray| ray.t_min == 0.0 && ray.t_max > 0.0 && origin(ray).is_finite()), "{}", set.name);
         assert_eq!(bits(&room.make(set.name)), bits(&rays), "{}", set.name);
         for order in ["tile", "shuffled"] {
-            let arranged = Place::room().with("order", order).make(set.name);
+            let arranged = TestScene::room().with("order", order).make(set.name);
             assert!(arranged != rays && bits(&arranged) == bits(&rays), "{} {order}", set.name);
         }
         let chances = ["diffuse", "ao", "glossy", "glossy2", "glossy3", "bounce2", "random", "pixel-random", "lens"];
@@ -137,7 +137,7 @@ fn every_set_is_sound_and_repeats() {
 /// documentation says: given here as plain numbers, so that a changed constant is noticed.
 #[test]
 fn lengths_and_offsets_are_the_documented_ones() {
-    let floor = Place::floor();
+    let floor = TestScene::floor();
     assert!((f64::from(floor.viewpoint.near) - 0.05).abs() < 1e-7);
     for (name, t_max) in [("diffuse", Ray::UNBOUNDED), ("ao", 5.0), ("specular", Ray::UNBOUNDED), ("glossy", 1e30)] {
         let rays = floor.make(name);
@@ -151,7 +151,7 @@ fn lengths_and_offsets_are_the_documented_ones() {
 /// one; one target alone gives its half.
 #[test]
 fn visibility_ends_at_its_targets() {
-    let room = Place::room();
+    let room = TestScene::room();
     let geometry = room.truth.geometry();
     let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
     let rays = room.make("visibility");
@@ -174,7 +174,7 @@ fn visibility_ends_at_its_targets() {
     let free = inside.iter().filter(|ray| reaches(ray)).count();
     assert!(free > 20 && free < inside.len(), "{free} of {}", inside.len());
     for (target, half) in [("inside", &inside), ("outside", &outside)] {
-        let alone = Place::room().with("visibility_target", target).make("visibility");
+        let alone = TestScene::room().with("visibility_target", target).make("visibility");
         assert_eq!(bits(&alone), half.iter().map(|ray| bytemuck::cast(**ray)).collect(), "{target}");
     }
 }
@@ -182,7 +182,7 @@ fn visibility_ends_at_its_targets() {
 /// Random rays start all over the bounds, in all directions.
 #[test]
 fn random_rays_fill_the_bounds() {
-    let rays = Place::solid().make("random");
+    let rays = TestScene::solid().make("random");
     assert_eq!(rays.len(), 24 * 16);
     assert!(rays.iter().all(|ray| origin(ray).abs().max_element() <= 1.0));
     let on_a_plane = |ray: &&Ray| (0..3).any(|axis| ray.origin[axis] == ray.origin[(axis + 1) % 3]);
@@ -198,7 +198,7 @@ fn random_rays_fill_the_bounds() {
 /// Looking away from everything only the sets that need no hit have rays; the others say why.
 #[test]
 fn sets_without_hits_are_empty_for_a_reason() {
-    let mut away = Place::floor();
+    let mut away = TestScene::floor();
     away.viewpoint = Pose::parse("0,1,0:0,2,0.1").unwrap().viewpoint(away.truth.geometry(), [4, 4], 4);
     for set in RAY_SETS {
         let made = away.try_make(set.name);

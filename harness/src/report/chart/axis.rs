@@ -52,10 +52,10 @@ impl LogAxis {
 
     /// Ticks at powers of ten and between them; over many decades only every second or third is labelled, over few
     /// also 2 and 5.
-    pub(super) fn ticks(&self, most_labels: usize) -> Vec<Tick> {
+    pub(super) fn ticks(&self, max_labels: usize) -> Vec<Tick> {
         let decades = self.high - self.low;
-        let step = (decades / most_labels.max(1) as f64).ceil().max(1.0) as i64;
-        let between = decades * 3.0 <= most_labels as f64;
+        let step = (decades / max_labels.max(1) as f64).ceil().max(1.0) as i64;
+        let between = decades * 3.0 <= max_labels as f64;
         let mut ticks = Vec::new();
         for decade in self.low.floor() as i64..=self.high.ceil() as i64 {
             for digit in 1..10 {

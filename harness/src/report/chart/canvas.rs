@@ -87,10 +87,10 @@ impl<DB: DrawingBackend> Canvas<DB> {
             let part = (run / length).min(1.0);
             (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part)
         };
-        let mut run = 0.0;
-        while run < length {
-            self.path(&[at(run), at(run + DASH)], colour, width)?;
-            run += PERIOD;
+        let mut record = 0.0;
+        while record < length {
+            self.path(&[at(record), at(record + DASH)], colour, width)?;
+            record += PERIOD;
         }
         Ok(())
     }

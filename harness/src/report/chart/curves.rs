@@ -3,8 +3,9 @@
 
 use super::axis::log_range;
 use super::palette::Style;
-use super::panel::{Aside, Axis, Control, Mark, Panel, Place, Scale};
+use super::panel::{Aside, Axis, Control, Mark, Panel, Position, Scale};
 use super::{LONGEST_VALUE, cut};
+use crate::report::sheet::Accuracy;
 use crate::studies::sweep::Multiple;
 
 const FILLED: f64 = 4.0;
@@ -27,6 +28,12 @@ impl Measured {
     /// A value that is known exactly.
     pub(super) fn exact(value: f64) -> Self {
         Self { value, interval: [value; 2] }
+    }
+
+    /// How often answers are wrong, of how often they are right.
+    pub(super) fn wrong(right: &Accuracy) -> Option<Self> {
+        let [low, high] = right.interval.unwrap_or([right.share?; 2]);
+        Some(Self { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
     }
 
     /// Whether it is a number with an interval of numbers.
@@ -116,7 +123,7 @@ impl Values {
         for Curve { style, hollow: dashed, aside, at } in curves {
             let (style, dashed, aside, colour) = (*style, *dashed, *aside, style.colour);
             let found = self.places.iter().zip(at).map(|(place, one)| Some((*place, (*one)?)));
-            let places: Vec<Option<Place>> = found.clone().map(|one| one.map(|(x, one)| (x, one.value))).collect();
+            let places: Vec<Option<Position>> = found.clone().map(|one| one.map(|(x, one)| (x, one.value))).collect();
             for pair in places.windows(2) {
                 let &[Some(one), Some(other)] = pair else { continue };
                 if (self.joined)(one.0, other.0) {

@@ -15,7 +15,7 @@ const PLOT_HEIGHT: f64 = 300.0;
 /// Least width of the data's rectangle.
 const PLOT_WIDTH: f64 = 270.0;
 /// Least width of a figure: titles and captions need it even beside a single panel.
-const LEAST_WIDTH: f64 = 720.0;
+const MIN_WIDTH: f64 = 720.0;
 const PANEL_TITLE: f64 = 30.0;
 const PANEL_FOOT: f64 = 52.0;
 const MARGIN: f64 = 14.0;
@@ -128,7 +128,7 @@ impl Frame {
         // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
         let _ = register();
         let (panels, columns) = (panels.max(1), columns.max(1));
-        let width = (columns as f64 * (LEFT + PLOT_WIDTH + RIGHT)).max(LEAST_WIDTH);
+        let width = (columns as f64 * (LEFT + PLOT_WIDTH + RIGHT)).max(MIN_WIDTH);
         let inner = width - 2.0 * MARGIN;
         Self {
             title: shorten(&title, TITLE_SIZE, inner),

@@ -20,8 +20,8 @@ use super::{LONGEST_NAME, LONGEST_SET, cut, error_name, untimed_caption};
 use crate::report::format::{self, thousands};
 use crate::report::pareto::{as_read, cost_name};
 use crate::report::verdict::{self, Verdict};
-use crate::results::{FrontPoint, ParetoRecord, Run};
-use crate::studies::pareto::{Amount, By, Cost, Entry, Field, Spot, Standing, Wrong};
+use crate::results::{FrontPoint, ParetoRecord, Record};
+use crate::studies::pareto::{Amount, By, Cost, CostAndError, Entry, Field, FrontStatus, Wrong};
 
 const PLOT_HEIGHT: f64 = 300.0;
 const ON_FRONT: f64 = 4.5;
@@ -62,7 +62,7 @@ struct Mark {
     /// The height at which it is drawn.
     y: f64,
     at_bound: bool,
-    standing: Standing,
+    front_status: FrontStatus,
     name: String,
     cost: f64,
 }
@@ -96,8 +96,8 @@ pub(in crate::report) struct FrontStyles {
 }
 
 impl FrontStyles {
-    pub(in crate::report) fn of(record: &ParetoRecord) -> Self {
-        Self { styles: Styles::of_labels(record.points.iter().map(|point| point.tracer.clone())) }
+    pub(in crate::report) fn of(section: &ParetoRecord) -> Self {
+        Self { styles: Styles::of_labels(section.points.iter().map(|point| point.tracer.clone())) }
     }
 
     pub(super) fn get(&self, point: &FrontPoint) -> Style {
@@ -124,7 +124,7 @@ pub(super) fn faint(style: Style) -> Style {
 impl FrontFigure {
     /// Lays out panels over one ray set under one rule.
     pub(in crate::report) fn new(
-        run: &Run,
+        record: &Record,
         field: &Field<'_>,
         by: By,
         what: &str,
@@ -147,31 +147,31 @@ impl FrontFigure {
             Line::new(Sample::Dashes, "control"),
             Line::new(Sample::Bars, "95 % interval of the error, order-statistic interval of the time"),
         ];
-        let contenders = field.entries.iter().unique_by(|entry| entry.point.contender());
-        let line = |entry: &Entry<'_>| Line::new(Sample::Line(styles.get(entry.point)), entry.point.contender());
-        let legend = contenders.map(line).collect();
+        let configs = field.entries.iter().unique_by(|entry| entry.point.config());
+        let line = |entry: &Entry<'_>| Line::new(Sample::Line(styles.get(entry.point)), entry.point.config());
+        let legend = configs.map(line).collect();
         let scene = &field.scene.scene;
         let name = cut(&scene.name, LONGEST_NAME);
-        let void = if verdict::controls(run) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
+        let invalid = if verdict::controls(record) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
         let rays = format!("{}, {}", cut(field.rays, LONGEST_SET), format::query(field.query));
         let titles = [
             format!("{what}: {name} ({} triangles), {rays}", thousands(scene.triangles)),
             format!(
-                "{void}viewpoint {}; {} rays; wrong by {}; arrow: fewer than 3 of N rays wrong, drawn at the bound 3/N",
+                "{invalid}viewpoint {}; {} rays; wrong by {}; arrow: fewer than 3 of N rays wrong, drawn at the bound 3/N",
                 field.viewpoint.name,
                 thousands(field.count),
                 by.name()
             ),
         ];
         let clock = "Times by the host's clock, of work on a device from submission until done.";
-        let caption = format!("{clock} {}", untimed_caption(&run.provenance, &run.preset));
+        let caption = format!("{clock} {}", untimed_caption(&record.provenance, &record.preset));
         let frame = Frame::in_columns(columns, PLOT_HEIGHT, panels.len(), titles, &caption, key, legend);
         Self { frame, panels, floor }
     }
 }
 
 fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyles) -> Panel {
-    let mark = |(entry, spot, standing): (Entry<'a>, Spot, Standing)| {
+    let mark = |(entry, spot, front_status): (Entry<'a>, CostAndError, FrontStatus)| {
         let wrong = Wrong::of(entry.trace, by)?;
         let x = as_read(field, asked.cost, field.cost(&entry, asked.cost)?);
         Some(Mark {
@@ -182,12 +182,12 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
             error: wrong.share,
             y: spot.error,
             at_bound: wrong.at_bound(),
-            standing,
-            name: entry.point.contender(),
+            front_status,
+            name: entry.point.config(),
             cost: spot.cost,
         })
     };
-    let marks: Vec<Mark> = field.standings(&asked.entries, asked.cost, by).into_iter().filter_map(mark).collect();
+    let marks: Vec<Mark> = field.front_statuses(&asked.entries, asked.cost, by).into_iter().filter_map(mark).collect();
     let mut own = Vec::new();
     for tracer in field.tracers() {
         let entries: Vec<Entry<'a>> =
@@ -246,14 +246,14 @@ impl Mark {
 impl Panel {
     /// The corners of the front of all.
     fn front(&self) -> Corners {
-        let on_front = self.marks.iter().filter(|mark| mark.standing == Standing::OnFront);
+        let on_front = self.marks.iter().filter(|mark| mark.front_status == FrontStatus::OnFront);
         corners(on_front.map(|mark| (mark.cost, mark.x.value, mark.y)).collect())
     }
 
     /// The marks as they are drawn: what is behind lies below what is on the front.
     fn in_order(&self) -> Vec<&Mark> {
         let mut order: Vec<&Mark> = self.marks.iter().collect();
-        order.sort_by_key(|mark| std::cmp::Reverse(mark.standing));
+        order.sort_by_key(|mark| std::cmp::Reverse(mark.front_status));
         order
     }
 }
@@ -309,7 +309,7 @@ impl FrontFigure {
         [x, y]: [&Along; 2],
     ) -> Drawn {
         let (colour, (left, top)) = (mark.style.colour, place);
-        if mark.standing == Standing::OnFront {
+        if mark.front_status == FrontStatus::OnFront {
             let ends = mark.x.interval.map(|end| x.at(end));
             canvas.path(&[(ends[0], top), (ends[1], top)], colour, 1.0)?;
             let heights = mark.error.interval.map(|share| y.at(share.max(10.0_f64.powf(self.floor))));
@@ -323,10 +323,10 @@ impl FrontFigure {
             canvas.path(&[(left, from), (left, to)], colour, 1.0)?;
             canvas.path(&[(left - 2.5, to - 3.0), (left, to), (left + 2.5, to - 3.0)], colour, 1.0)?;
         }
-        match mark.standing {
-            Standing::OnFront => canvas.filled_marker(place, ON_FRONT, mark.style),
-            Standing::WithinNoise => canvas.hollow_marker(place, HOLLOW, mark.style),
-            Standing::Behind => canvas.filled_marker(place, FAINT, faint(mark.style)),
+        match mark.front_status {
+            FrontStatus::OnFront => canvas.filled_marker(place, ON_FRONT, mark.style),
+            FrontStatus::WithinNoise => canvas.hollow_marker(place, HOLLOW, mark.style),
+            FrontStatus::Behind => canvas.filled_marker(place, FAINT, faint(mark.style)),
         }
     }
 }

@@ -1,21 +1,21 @@
 //! The charts, each as SVG and PNG from one drawing.
 
 mod axis;
+pub(super) mod break_even;
 mod canvas;
 mod curves;
+pub(super) mod difficulty;
 mod frame;
 mod front;
-mod overtaking;
 mod palette;
 mod panel;
 mod scale;
 pub(crate) mod series;
-mod speed;
-pub(super) mod strength;
+pub(super) mod speed;
 pub(super) mod sweep;
 #[cfg(test)]
 mod tests;
-mod tolerance;
+pub(super) mod tolerance;
 pub(super) mod tune;
 
 use itertools::Itertools as _;
@@ -24,11 +24,11 @@ use tracebench_api::Query;
 use super::format;
 use super::group::{Group, RaySet};
 use super::metrics::BALANCED;
-use super::pareto::{Shown, as_read, rays_a_pixel};
+use super::pareto::{as_read, rays_a_pixel};
 use super::verdict::{self, Verdict};
 use super::{Contents, ReportError};
-use crate::results::{ParetoRecord, Provenance, Run, TracerRun};
-use crate::studies::pareto::{Amount, By, Class, Cost, Field, contested};
+use crate::results::{ParetoRecord, Provenance, Record, Row};
+use crate::studies::pareto::{Amount, By, Cost, Field};
 pub(super) use canvas::DrawError;
 pub use canvas::without_images;
 use front::{FrontFigure, PanelOf};
@@ -61,9 +61,6 @@ pub(crate) enum Drawing {
     Series(SeriesChart, String),
 }
 
-/// Charts by their names, which are those of their files without the ends.
-pub(crate) type Charts = Vec<(String, Drawing)>;
-
 impl Drawing {
     /// As SVG.
     pub(super) fn svg(&self) -> Result<String, DrawError> {
@@ -92,7 +89,7 @@ impl Drawing {
 }
 
 /// Charts as files, SVG and PNG.
-pub(super) fn files(charts: &Charts) -> Result<Contents, ReportError> {
+pub(super) fn files<'a>(charts: impl Iterator<Item = (&'a str, &'a Drawing)>) -> Result<Contents, ReportError> {
     let mut files = Vec::new();
     for (stem, drawing) in charts {
         let fail = |error: DrawError| made(stem, &error);
@@ -102,75 +99,25 @@ pub(super) fn files(charts: &Charts) -> Result<Contents, ReportError> {
     Ok(files)
 }
 
-/// Every chart of a run.
-pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Charts {
-    let mut charts = Vec::new();
-    let styles = palette::Styles::of(run);
-    for group in groups.iter().filter(|group| !group.ray_sets.is_empty()) {
-        let mut add = |begin: &str, chart| charts.push((format!("{begin}{}", group.stem), Drawing::Panels(chart)));
-        add(STEMS[0], speed::chart(run, group, &styles));
-        if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-            add(STEMS[1], tolerance::chart(run, group, &styles));
-        }
-    }
-    charts
-}
-
-/// The charts of fronts: by ray set and rule the fronts of every cost and those at matched bytes and build time, by ray set who overtakes
-/// whom.
-pub(super) fn pareto_charts(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Charts {
-    let styles = FrontStyles::of(record);
-    let mut charts = Vec::new();
-    for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
-        for by in By::all(field.query) {
-            let figure = fronts_of(run, record, field, *by, &styles);
-            charts.push((scene.chart(field.rays, by.name()), Drawing::Fronts(figure)));
-            let panels: Vec<PanelOf<'_>> =
-                [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
-            if !panels.is_empty() {
-                let what = "Fronts at matched bytes and build time";
-                let figure = FrontFigure::new(run, field, *by, what, panels, &styles, 3);
-                charts.push((scene.chart(field.rays, &format!("{}_matched", by.name())), Drawing::Fronts(figure)));
-            }
-        }
-        // The last rule is the one by which charts show methods that sample.
-        let Some(by) = By::all(field.query).last() else { continue };
-        let classes = contested(&scene.fronts, field, *by);
-        if !classes.is_empty() {
-            let figure = overtaking::chart(run, field, &classes, &styles);
-            charts.push((scene.chart(field.rays, "break_even"), Drawing::Panels(figure)));
-        }
-    }
-    charts
-}
-
 /// The fronts of every cost over one ray set by one rule.
-fn fronts_of(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By, styles: &FrontStyles) -> FrontFigure {
+pub(super) fn fronts(record: &Record, section: &ParetoRecord, field: &Field<'_>, by: By) -> FrontFigure {
     let panel = |cost: Cost| PanelOf { title: front_title(cost), cost, entries: field.entries.clone() };
-    let panels: Vec<PanelOf<'_>> = Cost::all(&record.rays_per_pixel).into_iter().map(panel).collect();
+    let panels: Vec<PanelOf<'_>> = Cost::all(&section.rays_per_pixel).into_iter().map(panel).collect();
     let columns = if panels.len() > 4 { 3 } else { 2 };
-    FrontFigure::new(run, field, by, "Fronts", panels, styles, columns)
+    FrontFigure::new(record, field, by, "Fronts", panels, &FrontStyles::of(section), columns)
 }
 
-/// The fronts of a ray set in two layers, for a page.
-pub(super) fn front_layers(
-    run: &Run,
-    record: &ParetoRecord,
+/// Those at matched bytes and build time, where there are any.
+pub(super) fn matched_fronts(
+    record: &Record,
+    section: &ParetoRecord,
     field: &Field<'_>,
     by: By,
-) -> Result<FrontLayers, ReportError> {
-    fronts_of(run, record, field, by, &FrontStyles::of(record)).layers().map_err(|error| made("fronts", &error))
-}
-
-/// Who overtakes whom among points of classes, as SVG, for a page.
-pub(super) fn break_even_svg(
-    run: &Run,
-    record: &ParetoRecord,
-    field: &Field<'_>,
-    classes: &[Class<'_>],
-) -> Result<String, ReportError> {
-    let figure = overtaking::chart(run, field, classes, &FrontStyles::of(record));
-    canvas::to_svg(&figure).map_err(|error| made("break-even", &error))
+) -> Option<FrontFigure> {
+    let panels: Vec<PanelOf<'_>> =
+        [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
+    let what = "Fronts at matched bytes and build time";
+    (!panels.is_empty()).then(|| FrontFigure::new(record, field, by, what, panels, &FrontStyles::of(section), 3))
 }
 
 /// The colours that causes and the like take in turn.
@@ -179,7 +126,7 @@ pub(super) fn colour(index: usize) -> String {
 }
 
 pub(super) fn made(what: &str, error: &DrawError) -> ReportError {
-    ReportError::Made { what: what.to_owned(), reason: error.to_string() }
+    ReportError::NotMade { what: what.to_owned(), reason: error.to_string() }
 }
 
 fn front_title(cost: Cost) -> String {
@@ -205,20 +152,20 @@ fn matched<'a>(field: &Field<'a>, cost: Cost) -> Vec<PanelOf<'a>> {
 }
 
 /// The title of a group's chart, and the line under it.
-fn titles(what: &str, run: &Run, group: &Group<'_>) -> [String; 2] {
+fn titles(what: &str, record: &Record, group: &Group<'_>) -> [String; 2] {
     let [width, height] = group.viewpoint.ray_image;
     let triangles = format::thousands(group.scene.triangles);
     let name = cut(&group.scene.name, LONGEST_NAME);
-    let void = if verdict::controls(run) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
+    let invalid = if verdict::controls(record) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
     [
         format!("{what}: {name} ({triangles} triangles)"),
-        format!("{void}viewpoint {}; rays from the pixels of a {width} × {height} image", group.viewpoint.name),
+        format!("{invalid}viewpoint {}; rays from the pixels of a {width} × {height} image", group.viewpoint.name),
     ]
 }
 
 /// Where, from what and how often a group was measured.
-fn caption(run: &Run, group: &Group<'_>) -> String {
-    let samples = group.contenders.iter().flat_map(|one| &one.traces).map(|trace| trace.times.samples_ms.len());
+fn caption(record: &Record, group: &Group<'_>) -> String {
+    let samples = group.configs.iter().flat_map(|one| &one.traces).map(|trace| trace.times.samples_ms.len());
     let (fewest, most) = samples.fold((usize::MAX, 0), |(low, high), count| (low.min(count), high.max(count)));
     let samples = match (fewest, most) {
         (_, 0) => "nothing timed".to_owned(),
@@ -226,22 +173,22 @@ fn caption(run: &Run, group: &Group<'_>) -> String {
         (fewest, most) if fewest == most => format!("{most} samples"),
         (fewest, most) => format!("{fewest} to {most} samples"),
     };
-    let smoke = if run.preset == "smoke" { " (figures only show that things work)" } else { "" };
+    let smoke = if record.preset == "smoke" { " (figures only show that things work)" } else { "" };
     let clocks = clocks(group);
     let clocks = match clocks.as_slice() {
         [] => String::new(),
         [clock] => format!("; clock: {clock}"),
         several => format!("; clocks: {} (times of different clocks do not compare)", several.join(", ")),
     };
-    let commit = format::commit(&run.provenance.commit, run.provenance.dirty);
+    let commit = format::commit(&record.provenance.commit, record.provenance.dirty);
     // The machine last: its name is the one that can be too long for the page.
-    let machine = run.provenance.machine.label();
-    format!("Commit {commit}; preset {}{smoke}; {samples}{clocks}. Machine: {machine}.", run.preset)
+    let machine = record.provenance.machine.label();
+    format!("Commit {commit}; preset {}{smoke}; {samples}{clocks}. Machine: {machine}.", record.preset)
 }
 
-/// The clocks that timed a group's contenders.
+/// The clocks that timed a group's configurations.
 fn clocks(group: &Group<'_>) -> Vec<&'static str> {
-    let traces = group.contenders.iter().flat_map(|run| &run.traces);
+    let traces = group.configs.iter().flat_map(|row| &row.traces);
     traces.map(|trace| format::clock(trace.times.clock)).unique().collect()
 }
 
@@ -271,10 +218,10 @@ fn panel_title(set: &RaySet<'_>) -> String {
     format!("{name}: {}, {count} rays", format::query(set.query))
 }
 
-/// A contender's name in a legend, with its clock where clocks differ.
-fn legend_label(run: &TracerRun, clocks: &[&str]) -> String {
-    let label = cut(&run.label(), LONGEST_TRACER);
-    match run.traces.first() {
+/// A configuration's name in a legend, with its clock where clocks differ.
+fn legend_label(row: &Row, clocks: &[&str]) -> String {
+    let label = cut(&row.label(), LONGEST_TRACER);
+    match row.traces.first() {
         Some(trace) if clocks.len() > 1 => format!("{label} [{}]", format::clock(trace.times.clock)),
         _ => label,
     }

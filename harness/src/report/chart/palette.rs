@@ -3,7 +3,7 @@
 use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
-use crate::results::Run;
+use crate::results::Record;
 
 /// Text.
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -106,7 +106,7 @@ pub(super) struct Style {
 /// What stands for any tracer in a key.
 pub(super) const PLAIN: Style = Style { colour: GREY, shape: Shape::Circle };
 
-/// The styles of a run's contenders.
+/// The styles of a run's configurations.
 #[derive(Debug)]
 pub(super) struct Styles {
     labels: Vec<String>,
@@ -114,8 +114,8 @@ pub(super) struct Styles {
 
 impl Styles {
     /// By the order in which labels first appear.
-    pub(super) fn of(run: &Run) -> Self {
-        Self::of_labels(run.runs.iter().map(|one| one.label()))
+    pub(super) fn of(record: &Record) -> Self {
+        Self::of_labels(record.rows.iter().map(|one| one.label()))
     }
 
     /// By the order of the labels themselves.
@@ -123,7 +123,7 @@ impl Styles {
         Self { labels: all.unique().collect() }
     }
 
-    /// A contender's style. After twelve, colours come again with other shapes.
+    /// A configuration's style. After twelve, colours come again with other shapes.
     pub(super) fn get(&self, label: &str) -> Style {
         let index = self.labels.iter().position(|each| each == label).unwrap_or(0);
         let turn = index / COLOURS.len();

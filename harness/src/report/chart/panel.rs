@@ -27,21 +27,21 @@ pub(super) struct Axis {
 }
 
 /// By both axes.
-pub(super) type Place = (f64, f64);
+pub(super) type Position = (f64, f64);
 
 /// Something in a panel, drawn over what stands before it.
 #[derive(Clone, Debug)]
 pub(super) enum Mark {
     /// A line through places, so wide, moved aside.
-    Line { places: Vec<Place>, colour: RGBColor, width: f64, dashed: bool, aside: Aside },
+    Line { places: Vec<Position>, colour: RGBColor, width: f64, dashed: bool, aside: Aside },
     /// A marker.
-    Marker { place: Place, radius: f64, style: Style, hollow: bool, aside: Aside },
+    Marker { place: Position, radius: f64, style: Style, hollow: bool, aside: Aside },
     /// Some of the places of a curve, from a part of a gap on: the markers of curves that coincide stand side by side.
-    Along { places: Vec<Place>, radius: f64, style: Style, from: f64 },
+    Along { places: Vec<Position>, radius: f64, style: Style, from: f64 },
     /// The intervals of a place by the lower axis, if it has one there, and by the left one.
-    Bars { place: Place, across: Option<[f64; 2]>, up: [f64; 2], colour: RGBColor, aside: Aside },
+    Bars { place: Position, across: Option<[f64; 2]>, up: [f64; 2], colour: RGBColor, aside: Aside },
     /// A hollow marker so far above its place, or below it, within the panel.
-    Above { place: Place, by: f64, radius: f64, style: Style },
+    Above { place: Position, by: f64, radius: f64, style: Style },
     /// A value of the lower axis.
     Rule(f64),
     /// A word upwards at a value of the lower axis.
@@ -49,11 +49,11 @@ pub(super) enum Mark {
     /// Words at the foot.
     Words(String),
     /// Names beside the right edge, of lines that end at their places.
-    Names(Vec<(Place, String, RGBColor)>),
+    Names(Vec<(Position, String, RGBColor)>),
 }
 
 /// A control's name, and the places that its dashes lead through, on to the right edge.
-pub(super) type Control = (String, Vec<Place>);
+pub(super) type Control = (String, Vec<Position>);
 
 /// A control that is the same all along the lower axis. One beyond the left axis has its name at the edge, and no dashes.
 pub(super) fn level(name: String, value: f64) -> Control {
@@ -147,7 +147,7 @@ impl Panel {
         let mut names = Vec::new();
         for (name, places) in &self.controls {
             let across = |value: f64| if value == f64::NEG_INFINITY { rect.left } else { x.at(value) };
-            let mut points: Vec<Place> = places.iter().map(|place| (across(place.0), y.at(place.1))).collect();
+            let mut points: Vec<Position> = places.iter().map(|place| (across(place.0), y.at(place.1))).collect();
             let Some((_, height)) = points.last().copied() else { continue };
             // On to the edge, where its name is.
             points.push((rect.right, height));
@@ -162,10 +162,10 @@ impl Panel {
 }
 
 fn draw_mark<DB: DrawingBackend>(canvas: &Canvas<DB>, mark: &Mark, rect: Rect, [x, y]: [&Along; 2]) -> Drawn {
-    let at = |(across, up): &Place, aside: Aside| (x.at(*across) + x.aside(aside), y.at(*up));
+    let at = |(across, up): &Position, aside: Aside| (x.at(*across) + x.aside(aside), y.at(*up));
     match mark {
         Mark::Line { places, colour, width, dashed, aside } => {
-            let points: Vec<Place> = places.iter().map(|place| at(place, *aside)).collect();
+            let points: Vec<Position> = places.iter().map(|place| at(place, *aside)).collect();
             if *dashed { canvas.dashed_path(&points, *colour, *width) } else { canvas.path(&points, *colour, *width) }
         }
         Mark::Marker { place, radius, style, hollow: true, aside } => {

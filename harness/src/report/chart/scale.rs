@@ -186,7 +186,7 @@ fn step_label(value: f64, step: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Ticks are round, few, and told apart by their labels.
+    /// Ticks are round, few, and distinguished by their labels.
     #[test]
     fn linear_ticks_are_round() {
         for most in [1e-5, 0.03, 0.9, 1.0, 7.3, 99.0, 1234.0, 5e7] {

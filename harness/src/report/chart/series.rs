@@ -6,7 +6,7 @@ use super::frame::{Entry, Frame, Sample};
 use super::palette::{PLAIN, Styles};
 use super::panel::{Aside, Axis, Chart, Panel, Scale};
 use super::{Drawing, LONGEST_TRACER, cut, untimed_caption};
-use crate::results::Run;
+use crate::results::Record;
 use itertools::Itertools as _;
 
 /// A line of a panel.
@@ -52,9 +52,9 @@ pub(crate) struct SeriesChart {
     pub panels: Vec<SeriesPanel>,
 }
 
-/// A chart of a record with its name.
-pub(crate) fn series(run: &Run, chart: SeriesChart) -> (String, Drawing) {
-    (chart.stem.clone(), Drawing::Series(chart, untimed_caption(&run.provenance, &run.preset)))
+/// A chart of a record.
+pub(crate) fn series(record: &Record, chart: SeriesChart) -> Drawing {
+    Drawing::Series(chart, untimed_caption(&record.provenance, &record.preset))
 }
 
 impl SeriesChart {

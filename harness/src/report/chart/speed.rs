@@ -3,24 +3,17 @@
 use tracebench_api::Query;
 
 use super::axis::log_range;
+use super::curves::Measured;
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{PLAIN, Style, Styles};
 use super::panel::{Aside, Axis, Chart, Mark, Panel, Scale, level};
 use super::{caption, clocks, error_name, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
 use crate::report::metrics;
-use crate::report::sheet::Accuracy;
-use crate::results::{Run, TraceRecord};
+use crate::results::{Record, TraceRecord};
 
 const FILLED: f64 = 4.5;
 const HOLLOW: f64 = 6.5;
-
-/// An error with its interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Error {
-    share: f64,
-    interval: [f64; 2],
-}
 
 /// A tracer's place.
 #[derive(Debug)]
@@ -29,21 +22,22 @@ struct Point {
     speed: f64,
     speed_interval: [f64; 2],
     /// Under the rule that sampled methods can meet, or of the balanced accuracy.
-    filled: Error,
+    filled: Measured,
     /// Under the tight rule.
-    hollow: Option<Error>,
+    hollow: Option<Measured>,
 }
 
-/// The contenders' places in a ray set, and the controls' names and errors.
+/// The configurations' places in a ray set, and the controls' names and errors.
 type Shown = (Vec<Point>, Vec<(String, f64)>);
 
 /// The chart of a group.
-pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
+pub(in crate::report) fn chart(record: &Record, group: &Group<'_>) -> Chart {
+    let styles = &Styles::of(record);
     let shown: Vec<Shown> = group.ray_sets.iter().map(|set| shown(group, set, styles)).collect();
     let points = || shown.iter().flat_map(|(points, _)| points);
     let speeds = log_range(points().flat_map(|point| point.speed_interval.into_iter().chain([point.speed])));
     let one_ray = group.ray_sets.iter().map(|set| 1.0 / set.count.max(1) as f64);
-    let errors = points().flat_map(|point| [Some(point.filled), point.hollow]).flatten().map(|error| error.share);
+    let errors = points().flat_map(|point| [Some(point.filled), point.hollow]).flatten().map(|error| error.value);
     let has = |query| group.ray_sets.iter().any(|set| set.query == query);
     let filled = match (has(Query::Closest), has(Query::Any)) {
         (true, true) => "closest hit: footprint rule; any hit: balanced accuracy",
@@ -59,11 +53,11 @@ pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
     key.push(Entry::new(Sample::Bars, bars));
     let clocks = clocks(group);
     let legend = group
-        .contenders
+        .configs
         .iter()
         .map(|one| Entry::new(Sample::Filled(styles.get(&one.label())), legend_label(one, &clocks)));
-    let titles = titles("Error against speed", run, group);
-    let frame = Frame::new(shown.len(), titles, &caption(run, group), key, legend.collect());
+    let titles = titles("Error against speed", record, group);
+    let frame = Frame::new(shown.len(), titles, &caption(record, group), key, legend.collect());
     let scales = [Scale::Log(speeds, 8), Scale::down_to(one_ray.chain(errors))];
     let panels = group.ray_sets.iter().zip(shown).map(|(set, shown)| panel(set, shown, &scales)).collect();
     Chart { frame, panels }
@@ -72,14 +66,14 @@ pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
 fn shown(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Shown {
     let mut points = Vec::new();
     let mut controls: Vec<(String, f64)> = Vec::new();
-    for (role, run, trace) in group.traces(set) {
+    for (role, row, trace) in group.traces(set) {
         let Some((filled, hollow)) = errors(trace) else { continue };
-        let name = run.label();
+        let name = row.label();
         if role == Role::Control {
-            controls.push((name.clone(), filled.share));
+            controls.push((name.clone(), filled.value));
             // A second line only where the rules differ enough to be seen.
-            if let Some(tight) = hollow.filter(|tight| !close(tight.share, filled.share)) {
-                controls.push((format!("{name}, tight"), tight.share));
+            if let Some(tight) = hollow.filter(|tight| !close(tight.value, filled.value)) {
+                controls.push((format!("{name}, tight"), tight.value));
             }
         } else if let Some(speed) = metrics::speed(trace) {
             let speed_interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
@@ -93,15 +87,15 @@ fn panel(set: &RaySet<'_>, (points, controls): Shown, [x, y]: &[Scale; 2]) -> Pa
     // All bars before all markers: a bar over a marker would hide which kind it is.
     let bars = points.iter().flat_map(|point| {
         [Some(point.filled), point.hollow].into_iter().flatten().map(|error| Mark::Bars {
-            place: (point.speed, error.share),
+            place: (point.speed, error.value),
             across: Some(point.speed_interval),
             up: error.interval,
             colour: point.style.colour,
             aside: Aside::default(),
         })
     });
-    let marker = |point: &Point, error: Error, radius: f64, hollow: bool| Mark::Marker {
-        place: (point.speed, error.share),
+    let marker = |point: &Point, error: Measured, radius: f64, hollow: bool| Mark::Marker {
+        place: (point.speed, error.value),
         radius,
         style: point.style,
         hollow,
@@ -116,18 +110,14 @@ fn panel(set: &RaySet<'_>, (points, controls): Shown, [x, y]: &[Scale; 2]) -> Pa
         y: Axis { name: error_name(set.query), scale: y.clone() },
         controls: controls.into_iter().map(|(name, share)| level(name, share)).collect(),
         marks: bars.chain(hollow).chain(filled).collect(),
-        note: points.is_empty().then_some("no contender was timed on these rays"),
+        note: points.is_empty().then_some("no tracer was timed on these rays"),
     }
 }
 
-fn errors(trace: &TraceRecord) -> Option<(Error, Option<Error>)> {
-    let error = |right: &Accuracy| {
-        let [low, high] = right.interval.unwrap_or([right.share?; 2]);
-        Some(Error { share: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
-    };
+fn errors(trace: &TraceRecord) -> Option<(Measured, Option<Measured>)> {
     match metrics::right_of(trace).as_slice() {
-        [_, tight, footprint] => Some((error(footprint)?, error(tight))),
-        [balanced] => Some((error(balanced)?, None)),
+        [_, tight, footprint] => Some((Measured::wrong(footprint)?, Measured::wrong(tight))),
+        [balanced] => Some((Measured::wrong(balanced)?, None)),
         _ => None,
     }
 }

@@ -9,6 +9,7 @@ use super::series::{Series, SeriesChart, SeriesPanel, series};
 use super::*;
 use crate::report::fixture::{self, FrontQuality, Quality};
 use crate::report::group::groups;
+use crate::report::summary::summary;
 use crate::results::Judgement;
 
 /// A text of an SVG that lies level: its box and what it says.
@@ -50,21 +51,21 @@ fn labels(svg: &str) -> Vec<Label> {
 }
 
 /// Draws every chart of a run and looks at each.
-fn check(run: &Run) -> Vec<String> {
-    let charts = charts(run, &groups(run));
-    check_charts(&charts);
-    files(&charts).unwrap().into_iter().map(|(name, _)| name).collect()
+fn check(record: &Record) -> Vec<String> {
+    let summary = summary(record, &groups(record));
+    check_charts(summary.charts());
+    files(summary.charts()).unwrap().into_iter().map(|(name, _)| name).collect()
 }
 
 /// Draws charts, looks at each, and gives their SVGs.
-pub(in crate::report) fn check_charts(charts: &Charts) -> Vec<String> {
-    let check = |(stem, drawing): &(String, Drawing)| {
+pub(in crate::report) fn check_charts<'a>(charts: impl Iterator<Item = (&'a str, &'a Drawing)>) -> Vec<String> {
+    let check = |(stem, drawing): (&str, &Drawing)| {
         let svg = drawing.svg().unwrap();
         check_svg(stem, &svg);
         check_png(stem, &drawing.png().unwrap());
         svg
     };
-    charts.iter().map(check).collect()
+    charts.map(check).collect()
 }
 
 pub(in crate::report) fn check_svg(name: &str, svg: &str) {
@@ -136,13 +137,13 @@ fn many_ray_sets() {
 /// Figures that no run should have, and texts longer than any page.
 #[test]
 fn odd_figures_and_long_texts() {
-    let mut run = fixture::typical();
-    run.provenance.machine.cpu = "a processor whose maker spared no word ".repeat(20);
-    run.runs[0].scene.name = "scene & <name> ".repeat(30);
-    run.runs[1].scene = run.runs[0].scene.clone();
-    run.runs[1].tracer.name = "tracer".repeat(60);
+    let mut record = fixture::typical();
+    record.provenance.machine.cpu = "a processor whose maker spared no word ".repeat(20);
+    record.rows[0].scene.name = "scene & <name> ".repeat(30);
+    record.rows[1].scene = record.rows[0].scene.clone();
+    record.rows[1].tracer.name = "tracer".repeat(60);
     let oddities = [f64::NAN, f64::INFINITY, 0.0, -1.0];
-    for (odd, trace) in oddities.into_iter().zip(run.runs.iter_mut().flat_map(|one| &mut one.traces)) {
+    for (odd, trace) in oddities.into_iter().zip(record.rows.iter_mut().flat_map(|one| &mut one.traces)) {
         trace.mrays_per_s = odd;
         trace.times.interval_ms = [odd, odd];
         if let Judgement::Closest(judgement) = &mut trace.judgement {
@@ -150,9 +151,9 @@ fn odd_figures_and_long_texts() {
             judgement.interval.tight = None;
         }
     }
-    check(&run);
-    let mut ties = fixture::typical();
-    for trace in ties.runs.iter_mut().flat_map(|one| &mut one.traces) {
+    check(&record);
+    let mut ambiguous_rays = fixture::typical();
+    for trace in ambiguous_rays.rows.iter_mut().flat_map(|one| &mut one.traces) {
         match &mut trace.judgement {
             Judgement::Closest(judgement) => {
                 (judgement.agreement, judgement.interval) = Default::default();
@@ -164,14 +165,14 @@ fn odd_figures_and_long_texts() {
             }
         }
     }
-    check(&ties);
+    check(&ambiguous_rays);
 }
 
 /// Where clocks differ, the chart says whose is whose.
 #[test]
 fn clocks_are_named() {
-    let run = fixture::typical();
-    let svg = charts(&run, &groups(&run))[0].1.svg().unwrap();
+    let record = fixture::typical();
+    let svg = summary(&record, &groups(&record)).charts().next().unwrap().1.svg().unwrap();
     for wanted in ["bvh-cpu [host clock]", "screen-dda [submit to done, host clock]", "do not compare"] {
         assert!(svg.contains(wanted), "{wanted}");
     }
@@ -180,16 +181,16 @@ fn clocks_are_named() {
 /// Twelve tracers have twelve looks, and so have a hundred and more.
 #[test]
 fn looks_differ() {
-    let mut run = fixture::run(&[("t", FAIR)], &[]);
-    let template = run.runs[0].clone();
-    run.runs = (0..144)
+    let mut record = fixture::run(&[("t", FAIR)], &[]);
+    let template = record.rows[0].clone();
+    record.rows = (0..144)
         .map(|index| {
             let mut one = template.clone();
             one.tracer.name = format!("t{index}");
             one
         })
         .collect();
-    let styles = palette::Styles::of(&run);
+    let styles = palette::Styles::of(&record);
     let look = |index: usize| format!("{:?}", styles.get(&format!("t{index}")));
     let looks: BTreeSet<_> = (0..144).map(look).collect();
     assert_eq!(looks.len(), 144);
@@ -198,7 +199,7 @@ fn looks_differ() {
 /// Charts of whole, of missing and of odd values are drawn, with every label and setting in them.
 #[test]
 fn series_are_drawn_whatever_they_hold() {
-    let run = fixture::typical();
+    let record = fixture::typical();
     let panel = |values: Vec<Option<f64>>| SeriesPanel {
         of: None,
         title: "Bytes".to_owned(),
@@ -225,7 +226,7 @@ fn series_are_drawn_whatever_they_hold() {
             key: Some(["solid", "broken"]),
             panels: vec![panel(values.clone()), panel(values)],
         };
-        let drawn = files(&vec![series(&run, chart)]).unwrap();
+        let drawn = files([("figure_x", &series(&record, chart))].into_iter()).unwrap();
         assert_eq!(drawn.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["figure_x.svg", "figure_x.png"]);
         let svg = std::str::from_utf8(&drawn[0].1).unwrap();
         assert!(["tiles", "solid", "broken (dashed)", "24", "bytes (MiB)"].iter().all(|text| svg.contains(text)));
@@ -233,7 +234,7 @@ fn series_are_drawn_whatever_they_hold() {
     }
 }
 
-/// Proves that points of one tracer are told apart where it is told who overtakes whom: each has a number, once in the legend with its
+/// Proves that points of one tracer are distinguished where it is told who overtakes whom: each has a number, once in the legend with its
 /// parameters and beside its line in every panel, and who is cheapest has a strong line.
 #[test]
 fn break_even_names_every_point() {
@@ -245,17 +246,17 @@ fn break_even_names_every_point() {
     };
     let points =
         [point("quick", 1.0, 1.0), point("fast", 9.0, 900.0), point("fast", 3.0, 300.0), point("other", 2.0, 500.0)];
-    let run = fixture::fronts(&points, &[("diffuse", Query::Closest)], 30.0);
-    let record = run.pareto.as_ref().unwrap();
-    let charts = pareto_charts(&run, record, &crate::report::pareto::shown(&run, record));
-    let svg = charts.iter().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg().unwrap();
+    let record = fixture::fronts(&points, &[("diffuse", Query::Closest)], 30.0);
+    let section = record.pareto.as_ref().unwrap();
+    let page = crate::report::pareto::page::page(&record, section, &crate::report::pareto::shown(&record, section));
+    let svg = page.charts().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg().unwrap();
     let lines: Vec<&str> = svg.lines().collect();
     // Labels of ticks do not begin at their place.
     let times = |text: &str| lines.windows(2).filter(|pair| pair[0].contains("\"start\"") && pair[1] == text).count();
     let panels = svg.lines().filter(|line| line.ends_with("% right")).count();
     let entries: Vec<&str> = svg
         .lines()
-        .filter(|line| record.points.iter().any(|point| line.ends_with(&format!(": {}", point.label()))))
+        .filter(|line| section.points.iter().any(|point| line.ends_with(&format!(": {}", point.label()))))
         .collect();
     assert!(panels > 1 && entries.len() == 4, "{panels}: {entries:?}");
     for (number, entry) in (1..).zip(&entries) {

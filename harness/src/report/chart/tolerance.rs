@@ -5,54 +5,55 @@ use tracebench_api::Query;
 use super::axis::log_range;
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{Style, Styles};
-use super::panel::{Aside, Axis, Chart, Mark, Panel, Place, Scale};
+use super::panel::{Aside, Axis, Chart, Mark, Panel, Position, Scale};
 use super::{caption, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
 use crate::report::metrics;
-use crate::results::Run;
+use crate::results::Record;
 
 /// A curve: tolerance and agreement, by rising tolerance.
-type Curve = Vec<Place>;
+type Curve = Vec<Position>;
 
-/// The contenders' curves over a ray set, and the controls'.
+/// The configurations' curves over a ray set, and the controls'.
 type Shown = (Vec<(Style, Curve)>, Vec<(String, Curve)>);
 
 /// The chart of a group.
-pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
+pub(in crate::report) fn chart(record: &Record, group: &Group<'_>) -> Chart {
+    let styles = &Styles::of(record);
     let sets: Vec<&RaySet<'_>> = group.ray_sets.iter().filter(|set| set.query == Query::Closest).collect();
     let shown: Vec<Shown> = sets.iter().map(|set| shown(group, set, styles)).collect();
-    let contenders = shown.iter().flat_map(|(contenders, _)| contenders.iter().map(|(_, curve)| curve));
-    let curves = contenders.chain(shown.iter().flat_map(|(_, controls)| controls.iter().map(|(_, curve)| curve)));
+    let configs = shown.iter().flat_map(|(configs, _)| configs.iter().map(|(_, curve)| curve));
+    let curves = configs.chain(shown.iter().flat_map(|(_, controls)| controls.iter().map(|(_, curve)| curve)));
     let tolerances = log_range(curves.flatten().map(|(tolerance, _)| *tolerance));
     let legend =
-        group.contenders.iter().map(|one| Entry::new(Sample::Line(styles.get(&one.label())), legend_label(one, &[])));
+        group.configs.iter().map(|one| Entry::new(Sample::Line(styles.get(&one.label())), legend_label(one, &[])));
     let key = vec![Entry::new(Sample::Dashes, "control")];
-    let titles = titles("Agreement over tolerance", run, group);
-    let frame = Frame::new(shown.len(), titles, &caption(run, group), key, legend.collect());
+    let titles = titles("Agreement over tolerance", record, group);
+    let frame = Frame::new(shown.len(), titles, &caption(record, group), key, legend.collect());
     let panels = sets.iter().zip(shown).map(|(set, shown)| panel(set, shown, tolerances)).collect();
     Chart { frame, panels }
 }
 
 fn shown(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Shown {
-    let mut contenders = Vec::new();
+    let mut configs = Vec::new();
     let mut controls = Vec::new();
-    for (role, run, trace) in group.traces(set) {
+    for (role, row, trace) in group.traces(set) {
         let Some(judgement) = metrics::closest(trace) else { continue };
         let whole = |point: &&[f64; 2]| point[0] > 0.0 && point.iter().all(|each| each.is_finite());
         let mut curve: Curve =
             judgement.curve.iter().filter(whole).map(|[tolerance, share]| (*tolerance, *share)).collect();
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let name = run.label();
+        let name = row.label();
         match role {
             _ if curve.is_empty() => {}
             Role::Control => controls.push((name, curve)),
-            Role::Contender => contenders.push((styles.get(&name), curve)),
+            Role::Tracer => configs.push((styles.get(&name), curve)),
         }
     }
-    (contenders, controls)
+    (configs, controls)
 }
 
-fn panel(set: &RaySet<'_>, (contenders, controls): Shown, tolerances: (f64, f64)) -> Panel {
+fn panel(set: &RaySet<'_>, (configs, controls): Shown, tolerances: (f64, f64)) -> Panel {
     let line = |(style, curve): &(Style, Curve)| Mark::Line {
         places: curve.clone(),
         colour: style.colour,
@@ -64,14 +65,14 @@ fn panel(set: &RaySet<'_>, (contenders, controls): Shown, tolerances: (f64, f64)
         places: curve.clone(),
         radius: 4.0,
         style: *style,
-        from: index as f64 / contenders.len() as f64,
+        from: index as f64 / configs.len() as f64,
     };
     Panel {
         title: panel_title(set),
         x: Axis { name: "tolerance (scene diagonals)".to_owned(), scale: Scale::Log(tolerances, 6) },
         y: Axis { name: "agreement (%)".to_owned(), scale: Scale::Whole },
         controls,
-        marks: contenders.iter().map(line).chain(contenders.iter().enumerate().map(markers)).collect(),
-        note: contenders.is_empty().then_some("no contender traced these rays"),
+        marks: configs.iter().map(line).chain(configs.iter().enumerate().map(markers)).collect(),
+        note: configs.is_empty().then_some("no tracer traced these rays"),
     }
 }

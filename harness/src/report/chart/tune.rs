@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{INK, Shape, Style, Styles};
-use super::panel::{Aside, Axis, Chart, Control, Mark, Panel, Place, Scale, level};
+use super::panel::{Aside, Axis, Chart, Control, Mark, Panel, Position, Scale, level};
 use super::{LONGEST_NAME, LONGEST_SET, LONGEST_VALUE, cut, name_with_unit, untimed_caption};
 use crate::report::format;
 use crate::report::tune::{Errors, score_name, trials};
@@ -81,7 +81,7 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
     let (tracer, settings) = label.split_once(' ').unwrap_or((&label, ""));
     let tracer = cut(tracer, LONGEST_VALUE);
     let title = format!("Tuning {axis} of {tracer}: {name}");
-    let void = if verdict::tuning_controls(tuning) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
+    let invalid = if verdict::tuning_controls(tuning) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
     let triangles = format::thousands(scene.scene.triangles);
     let place = |view: &ViewTuned| {
         let ([width, height], [across, down]) = (view.viewpoint.ray_image, view.viewpoint.frame);
@@ -91,7 +91,7 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
         )
     };
     let subtitle = format!(
-        "{void}{triangles} triangles; by the rule {}; {}",
+        "{invalid}{triangles} triangles; by the rule {}; {}",
         tuning.rule.name(),
         scene.views.first().map(place).unwrap_or_default()
     );
@@ -125,7 +125,7 @@ fn chosen(
     tuning: &Tuning,
     set: Option<&SetTuned>,
     colour: RGBColor,
-    stands: impl Fn(usize) -> Option<(Place, f64)>,
+    stands: impl Fn(usize) -> Option<(Position, f64)>,
 ) -> Vec<Mark> {
     let mut taken: Vec<usize> = Vec::new();
     let of = |choice: &Choice| {
@@ -223,7 +223,7 @@ mod tests {
 
     /// Draws every chart, looks at each, and gives the SVGs.
     fn check(tuning: &Tuning) -> Vec<String> {
-        check_charts(&crate::report::tune::of_tuning(tuning).charts)
+        check_charts(crate::report::tune::of_tuning(tuning).pages[0].1.charts())
     }
 
     /// Panels of both viewpoints and of the agreement, every class, every label, the parameter with its unit, the machine; a
@@ -252,9 +252,9 @@ mod tests {
         let alone = check(&tuning(&VALUES, &["room"], 1, &SETS[..1]));
         assert!(!alone[0].contains("window") && alone[0].contains("own viewpoint door"));
         assert!(!drawn[0].contains("VOID"));
-        let mut void = made;
-        void.scenes[0].views[0].controls.clear();
-        assert!(check(&void)[0].contains("VOID"));
+        let mut invalid = made;
+        invalid.scenes[0].views[0].controls.clear();
+        assert!(check(&invalid)[0].contains("VOID"));
     }
 
     /// Every choice stands at its value: on lines from the top where errors are shown, where agreement is shown at the score of
@@ -264,7 +264,7 @@ mod tests {
         let made = tuning(&VALUES, &["room", "hall"], 2, &[("diffuse", Query::Closest)]);
         let chart = chart(&made, &made.scenes[0]);
         assert_eq!(chart.panels.len(), 3);
-        let marks = |panel: usize| -> Vec<(Place, f64)> {
+        let marks = |panel: usize| -> Vec<(Position, f64)> {
             let above = |mark: &Mark| if let Mark::Above { place, by, .. } = mark { Some((*place, *by)) } else { None };
             chart.panels[panel].marks.iter().filter_map(above).collect()
         };
@@ -293,7 +293,7 @@ mod tests {
         }
     }
 
-    /// What was skipped is said, names and long names find room, and nothing but ties is drawn all the same.
+    /// What was skipped is said, names and long names find room, and nothing but ambiguous rays is drawn all the same.
     #[test]
     fn odd_tunings() {
         let mut made = tuning(&VALUES, &["room"], 2, &SETS);
@@ -317,7 +317,7 @@ mod tests {
         check(&names);
         // Settings are told whole, below.
         let mut set = tuning(&VALUES, &["room"], 2, &SETS);
-        let settings = [("reads", "texture"), ("rays_per_lane", "32"), ("buckets", "16")];
+        let settings = [("memory_access", "texture"), ("rays_per_lane", "32"), ("buckets", "16")];
         for (name, value) in settings {
             set.tracer.changed.push(name.to_owned());
             set.tracer.parameters.insert(name.to_owned(), value.into());

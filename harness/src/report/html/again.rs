@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::pieces::escape;
 use super::read::Read;
 use crate::report::Study;
-use crate::results::{Run, TracerRecord, TracerRun};
+use crate::results::{Record, Row, TracerRecord};
 use itertools::Itertools as _;
 
 /// What is said of the commands of records.
@@ -20,37 +20,40 @@ pub(super) fn section(command: &str, all: &[Read<'_>]) -> String {
         escape(command)
     );
     for read in all {
-        let commit = &read.run.provenance.commit;
-        let _ =
-            writeln!(text, "{}", escape(&format!("{} --out {} # {commit}", of_record(&read.run), quoted(&read.name))));
+        let commit = &read.record.provenance.commit;
+        let _ = writeln!(
+            text,
+            "{}",
+            escape(&format!("{} --out {} # {commit}", of_record(&read.record), quoted(&read.name)))
+        );
     }
     text + "</code></pre>\n</section>\n"
 }
 
 /// The command of a record, without its folder.
-fn of_record(run: &Run) -> String {
-    let verb = Study::of(run).verb;
+fn of_record(record: &Record) -> String {
+    let verb = Study::of(record).verb;
     let mut words = vec!["tracebench".to_owned(), verb.to_owned()];
     // Tables have their own tracers.
-    match run.table.as_ref().filter(|_| verb == "table") {
+    match record.table.as_ref().filter(|_| verb == "table") {
         Some(table) => words.push(quoted(table)),
-        None => option(&mut words, "--tracer", run.runs.iter().map(contender)),
+        None => option(&mut words, "--tracer", record.rows.iter().map(config)),
     }
-    if let Some(tuning) = &run.tuning {
+    if let Some(tuning) = &record.tuning {
         option(&mut words, "--choose", [tuning.rule.name().to_owned()].into_iter());
     }
     // Cases are scenes with rays of their own.
     if verb != "stability" {
-        option(&mut words, "--scene", run.runs.iter().map(|row| row.scene.name.clone()));
-        option(&mut words, "--rays", run.runs.iter().flat_map(|row| &row.traces).map(|trace| trace.rays.clone()));
-        option(&mut words, "--preset", [run.preset.clone()].into_iter());
-        option(&mut words, "--seed", [run.seed.to_string()].into_iter());
+        option(&mut words, "--scene", record.rows.iter().map(|row| row.scene.name.clone()));
+        option(&mut words, "--rays", record.rows.iter().flat_map(|row| &row.traces).map(|trace| trace.rays.clone()));
+        option(&mut words, "--preset", [record.preset.clone()].into_iter());
+        option(&mut words, "--seed", [record.seed.to_string()].into_iter());
     }
     words.join(" ")
 }
 
 /// A tracer with its preset, as an argument names it.
-fn contender(row: &TracerRun) -> String {
+fn config(row: &Row) -> String {
     let TracerRecord { name, preset, .. } = &row.tracer;
     if preset == "published" { name.clone() } else { format!("{name}:{preset}") }
 }

@@ -1,4 +1,4 @@
-//! The first screen: who to take for what, and why.
+//! The first screen: which to choose for what, and why.
 
 use std::fmt::Write as _;
 
@@ -12,13 +12,13 @@ use crate::report::pareto::page::{aimed, asked, right, too_few, with_cost};
 use crate::report::pareto::{as_read, cost_name};
 use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::verdict::{self, Verdict};
-use crate::results::Run;
+use crate::results::Record;
 use crate::studies::pareto::{Aim, By, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
 
 /// The agreement that is asked for where one stands for all.
 pub(super) const ASKED: f64 = LEVELS[1];
 
-/// The answer in a sentence, who to take and why, and every method.
+/// The answer in a sentence, which to choose and why, and every method.
 pub(super) fn section(
     places: &[Place<'_>],
     records: &[Read<'_>],
@@ -30,7 +30,7 @@ pub(super) fn section(
     let copies: Vec<String> = copies.iter().map(same).collect();
     let machine = |(number, machine): (usize, &String)| Document::of(format!("Machine {number}: {machine}."));
     let notes = doubts(records)
-        .words(few("Left out, since the same record is there", &copies, "Left out"))
+        .paragraph(few("Left out, since the same record is there", &copies, "Left out"))
         .and((1..).zip(machines).map(machine));
     let mut html = format!(
         "<div class=\"answer\">{}</div>\n<div class=\"notes\">{}</div>\n",
@@ -41,7 +41,7 @@ pub(super) fn section(
         return html;
     }
     html += &budget::section(places, ASKED);
-    let titled = |title: &str, words: &str, table| Document::default().heading(3, title).words(words).table(table);
+    let titled = |title: &str, words: &str, table| Document::default().heading(3, title).paragraph(words).table(table);
     let _ = write!(
         html,
         "{}<details><summary>At {} and {} agreement</summary>{}</details>\n{}",
@@ -66,40 +66,40 @@ fn every_method() -> String {
 }
 
 /// So many records are named in a sentence of the first screen; all stand further below.
-const MOST_NAMED: usize = 2;
+const MAX_NAMED: usize = 2;
 
 /// What speaks against records.
 fn doubts(records: &[Read<'_>]) -> Document {
-    let say = |of: fn(&Run) -> bool, what: &str| {
-        let names: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| read.name.clone()).collect();
+    let say = |of: fn(&Record) -> bool, what: &str| {
+        let names: Vec<String> = records.iter().filter(|read| of(&read.record)).map(|read| read.name.clone()).collect();
         few(what, &names, "Machines and records")
     };
     Document::default()
-        .words(say(is_void, "Void, since a control fails, and part of no answer"))
-        .words(say(is_smoke, "Smoke runs, whose figures only show that things work"))
+        .paragraph(say(is_invalid, "Invalid, since a control fails, and part of no answer"))
+        .paragraph(say(is_smoke, "Smoke runs, whose figures only show that things work"))
 }
 
 /// A sentence that names some, and of more than a few where they are told.
 fn few(what: &str, all: &[String], below: &str) -> String {
-    let named = all[..all.len().min(MOST_NAMED)].join(", ");
-    match all.len().saturating_sub(MOST_NAMED) {
+    let named = all[..all.len().min(MAX_NAMED)].join(", ");
+    match all.len().saturating_sub(MAX_NAMED) {
         _ if all.is_empty() => String::new(),
         0 => format!("**{what}:** {named}."),
         more => format!("**{what}:** {named} and {more} more, told below under *{below}*."),
     }
 }
 
-fn is_void(run: &Run) -> bool {
-    verdict::controls(run) != Verdict::Sound
+fn is_invalid(record: &Record) -> bool {
+    verdict::controls(record) != Verdict::Sound
 }
 
-pub(super) fn is_smoke(run: &Run) -> bool {
-    run.preset == "smoke"
+pub(super) fn is_smoke(record: &Record) -> bool {
+    record.preset == "smoke"
 }
 
 /// What speaks against a record, in a word or two.
-pub(super) fn doubts_in_short(run: &Run) -> String {
-    let of = [(is_void(run), ", void"), (is_smoke(run), ", smoke run")];
+pub(super) fn doubts_in_short(record: &Record) -> String {
+    let of = [(is_invalid(record), ", invalid"), (is_smoke(record), ", smoke run")];
     of.iter().filter(|(is, _)| *is).map(|(_, word)| *word).collect()
 }
 
@@ -107,19 +107,19 @@ pub(super) fn doubts_in_short(run: &Run) -> String {
 fn needs<'a>(places: &'a [Place<'a>], level: f64) -> Table {
     type Need<'a> = (&'a Place<'a>, Aim, Option<Entry<'a>>);
     let sheet = Sheet::<Need<'_>>::new()
-        .told("rays", |(place, ..)| place.field.rays)
-        .told("scene", |(place, ..)| Cell::Name(place.field.scene.scene.name.clone()))
-        .told("machine", |(place, ..)| place.read.machine.to_string())
+        .column("rays", |(place, ..)| place.field.rays)
+        .column("scene", |(place, ..)| Cell::Name(place.field.scene.scene.name.clone()))
+        .column("machine", |(place, ..)| place.read.machine.to_string())
         .with(of_record(places, |(place, ..)| place))
-        .told("right at least", move |(place, ..)| {
+        .column("right at least", move |(place, ..)| {
             format!("{} by {}{}", asked(level), place.by.name(), too_few(level, place.field))
         })
-        .told("need", |(_, aim, _)| aim.name())
-        .told("take", |(.., found)| found.map_or("nobody".to_owned(), |found| found.point.label()))
-        .told("what it costs", |(place, aim, found)| {
-            found.map(|found| format!("{}: {}", cost_name(aim.cost()), cost(place.field, *aim, &found).told()))
+        .column("need", |(_, aim, _)| aim.name())
+        .column("take", |(.., found)| found.map_or("nobody".to_owned(), |found| found.point.label()))
+        .column("what it costs", |(place, aim, found)| {
+            found.map(|found| format!("{}: {}", cost_name(aim.cost()), cost(place.field, *aim, &found).describe()))
         })
-        .told("why", move |(place, aim, found)| match found {
+        .column("why", move |(place, aim, found)| match found {
             Some(found) => why(place, level, *aim, found),
             None => nobody(place),
         });
@@ -134,7 +134,7 @@ where
     R: 'a,
 {
     let is_told = places.iter().any(|place| place.is_shared);
-    is_told.then(|| Column::told("record", move |row: &R| place(row).read.name.clone())).into_iter().collect()
+    is_told.then(|| Column::new("record", move |row: &R| place(row).read.name.clone())).into_iter().collect()
 }
 
 /// What a point costs.
@@ -210,19 +210,19 @@ fn methods(places: &[Place<'_>]) -> Table {
     type Method<'a> = (&'a Place<'a>, &'a str, Vec<Entry<'a>>);
     let of_aim = |aim| {
         aimed(aim, move |(place, tracer, own): &Method<'_>| {
-            let text = cost(place.field, aim, &best(place.field, own, place.by, ASKED, aim)?).told();
+            let text = cost(place.field, aim, &best(place.field, own, place.by, ASKED, aim)?).describe();
             let of_all = best(place.field, &place.field.entries, place.by, ASKED, aim);
             let is_best = of_all.is_some_and(|best| best.point.tracer == *tracer);
             Some(if is_best { format!("**{text}**") } else { text })
         })
     };
     let sheet = Sheet::<Method<'_>>::new()
-        .told("rays", |(place, ..)| place.field.rays)
-        .told("machine", |(place, ..)| place.read.machine.to_string())
+        .column("rays", |(place, ..)| place.field.rays)
+        .column("machine", |(place, ..)| place.read.machine.to_string())
         .with(of_record(places, |(place, ..)| place))
-        .told("tracer", |(_, tracer, _)| (*tracer).to_owned())
-        .told("scene", |(place, ..)| Cell::Name(place.field.scene.scene.name.clone()))
-        .told("right at best", |(place, _, own)| {
+        .column("tracer", |(_, tracer, _)| (*tracer).to_owned())
+        .column("scene", |(place, ..)| Cell::Name(place.field.scene.scene.name.clone()))
+        .column("right at best", |(place, _, own)| {
             farthest(place.field, own, place.by).map(|found| right_share(place, &found))
         })
         .with(Aim::ALL.map(of_aim).into());

@@ -13,20 +13,21 @@ use crate::report::format::with_interval;
 use crate::report::pareto::page;
 use crate::report::{ReportError, metrics};
 use crate::results::FrontPoint;
-use crate::studies::pareto::{By, Cost, Standing, Wrong, contested};
+use crate::studies::pareto::{By, Cost, FrontStatus, Wrong};
 
 /// Charts of fronts, with who is on them.
 pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
     let mut pieces = Vec::new();
     for place in places {
-        let layers = chart::front_layers(&place.read.run, place.record, place.field, place.by)?;
+        let figure = chart::fronts(&place.read.record, place.section, place.field, place.by);
+        let layers = figure.layers().map_err(|error| chart::made("fronts", &error))?;
         pieces.push(Piece::Heavy {
             rank: Rank::Front,
             what: format!("fronts of {}", place.title()),
             html: front(place, &layers, &machines[place.read.machine - 1]),
             tags: place.tags().text(),
         });
-        let on_fronts = by_rule(place, |by| page::front_points(&place.read.run, place.record, place.field, by));
+        let on_fronts = by_rule(place, |by| page::front_points(&place.read.record, place.section, place.field, by));
         pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &on_fronts, names));
     }
     for (index, place) in places.iter().enumerate() {
@@ -50,12 +51,11 @@ pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece
 pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
     let mut pieces = Vec::new();
     for place in places {
-        let classes = contested(&place.shown.fronts, place.field, place.by);
-        if classes.is_empty() {
-            continue;
-        }
         let machine = &machines[place.read.machine - 1];
-        let svg = chart::break_even_svg(&place.read.run, place.record, place.field, &classes)?;
+        // The chart stands above.
+        let text = page::break_even(&place.read.record, place.section, place.shown, place.field, place.by);
+        let Some((_, drawing)) = text.charts().next() else { continue };
+        let svg = drawing.svg().map_err(|error| chart::made("break-even", &error))?;
         let alt = format!("Time of a frame over its number of rays, by tracer: {}", place.title());
         let caption = format!("{}. Time of a frame (ms) over rays a frame, of every tracer. {machine}.", place.title());
         pieces.push(Piece::Heavy {
@@ -64,8 +64,6 @@ pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Name
             html: figure(&svg, &alt, &caption, place.tags()),
             tags: place.tags().text(),
         });
-        // The chart stands above.
-        let text = page::break_even(place.shown, place.field, place.by);
         pieces.push(opened(Rank::Page, place, ["break-even", ""], &text, names));
     }
     Ok(pieces)
@@ -92,7 +90,7 @@ pub(super) fn details(title: &str, tags: &str, html: &str) -> String {
 /// Every point of a record with all of its parameters.
 fn points(place: &Place<'_>) -> String {
     let mut rows = String::new();
-    for (index, point) in place.record.points.iter().enumerate() {
+    for (index, point) in place.section.points.iter().enumerate() {
         let _ = writeln!(
             rows,
             "<tr id=\"{}\"{}><td>{}</td><td>{}</td><td>{}×{}, {}</td></tr>",
@@ -171,7 +169,7 @@ fn front(place: &Place<'_>, layers: &FrontLayers, machine: &str) -> String {
 /// What a point is and does, in words.
 fn said(place: &Place<'_>, point: &PointMark, cost_name: &str, cost: Cost) -> String {
     let entry = place.field.entries.iter().find(|entry| entry.index == point.index);
-    let label = place.record.points[point.index].label();
+    let label = place.section.points[point.index].label();
     let wrong = entry.and_then(|entry| Some((Wrong::of(entry.trace, place.by)?, metrics::trials(entry.trace))));
     let right = wrong.map_or_else(String::new, |(wrong, trials)| format!("; right {}", page::right(&wrong, trials)));
     let read = match cost {
@@ -182,10 +180,10 @@ fn said(place: &Place<'_>, point: &PointMark, cost_name: &str, cost: Cost) -> St
 }
 
 fn mark(id: &str, point: &PointMark, said: &str, first: bool, beaten: Option<&Vec<usize>>, radius: f64) -> String {
-    let standing = match point.standing {
-        Standing::OnFront => "front",
-        Standing::WithinNoise => "noise",
-        Standing::Behind => "behind",
+    let front_status = match point.front_status {
+        FrontStatus::OnFront => "front",
+        FrontStatus::WithinNoise => "noise",
+        FrontStatus::Behind => "behind",
     };
     let tags = Tags { tracer: Some(&point.tracer), ..Tags::default() }.text();
     let near: Vec<String> = beaten.into_iter().flatten().map(usize::to_string).collect();
@@ -198,7 +196,7 @@ fn mark(id: &str, point: &PointMark, said: &str, first: bool, beaten: Option<&Ve
     };
     let arrow = point.arrow.as_ref().map_or_else(String::new, |path| format!("<path class=\"arrow\" d=\"{path}\"/>"));
     format!(
-        "<g class=\"mark {standing}\"{tags} data-point=\"{id}\" data-index=\"{}\" data-cost=\"{cost}\" data-error=\"{error}\"{near} \
+        "<g class=\"mark {front_status}\"{tags} data-point=\"{id}\" data-index=\"{}\" data-cost=\"{cost}\" data-error=\"{error}\"{near} \
          tabindex=\"{}\" role=\"img\" aria-label=\"{}\" color=\"{}\" transform=\"translate({left:.2} {top:.2})\">\
          <path class=\"bars\" d=\"{}\"/>{arrow}{dot}</g>\n",
         point.index,

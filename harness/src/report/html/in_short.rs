@@ -1,4 +1,4 @@
-//! Who to take for every ray set, in a line; ray sets of which the same is said share one.
+//! Which to choose for every ray set, in a line; ray sets of which the same is said share one.
 
 use std::fmt::Write as _;
 
@@ -15,8 +15,8 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
     for machine in 1..=machines.len() {
         let mut own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
         // Smoke runs count where there is nothing else.
-        if own.iter().any(|place| !is_smoke(&place.read.run)) {
-            own.retain(|place| !is_smoke(&place.read.run));
+        if own.iter().any(|place| !is_smoke(&place.read.record)) {
+            own.retain(|place| !is_smoke(&place.read.record));
         }
         if own.is_empty() {
             continue;
@@ -48,7 +48,7 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
     html
 }
 
-/// Whom to take for a ray set, in how many of its cases, which are scenes, or records of the same scene.
+/// which to choose for a ray set, in how many of its cases, which are scenes, or records of the same scene.
 fn said(cases: &[&Place<'_>]) -> String {
     let scenes: Vec<&str> = cases.iter().map(|place| place.field.scene.scene.name.as_str()).unique().collect();
     let where_to = match (scenes.as_slice(), cases.len()) {

@@ -1,4 +1,4 @@
-//! Several records in one page that needs nothing else: who to take, fronts whose points can be asked, everything else that their own
+//! Several records in one page that needs nothing else: which to choose, fronts whose points can be asked, everything else that their own
 //! pages say.
 //!
 //! Tables are those of the records' own documents. Charts are drawn as elsewhere; fronts in two layers, so that tracers can be left out
@@ -24,20 +24,20 @@ use super::document::Document;
 use super::pareto::{Shown, shown};
 use super::verdict::{self, Verdict};
 use super::{ReportError, Section, Tables, summary};
-use crate::results::{ParetoRecord, Run};
+use crate::results::{ParetoRecord, Record};
 use crate::studies::pareto::{By, Field};
 use pieces::{Piece, Tags, escape, fit};
 use read::{Names, Read, Records};
 
 /// The most bytes of a page.
-pub const MOST_BYTES: usize = 10_000_000;
+pub const MAX_BYTES: usize = 10_000_000;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(include_str!("budget.js"), include_str!("page.js"));
 const RULES: &str = include_str!("../../../../RULES.md");
 
 /// Says what papers' claims come to by records of their tables, a page a paper. Claims know reports, reports know no claim.
-pub type Claims = fn(&[Run]) -> Result<Vec<Document>, ReportError>;
+pub type Claims = fn(&[Record]) -> Result<Vec<Document>, ReportError>;
 
 /// What a page is made of besides records.
 #[derive(Clone, Copy)]
@@ -62,7 +62,7 @@ struct Place<'a> {
     read: &'a Read<'a>,
     /// The record's place among all.
     number: usize,
-    record: &'a ParetoRecord,
+    section: &'a ParetoRecord,
     shown: &'a Shown<'a>,
     field: &'a Field<'a>,
     /// The rule that stands for all: by which charts show methods that sample.
@@ -77,26 +77,29 @@ impl Place<'_> {
     }
 
     fn title(&self) -> String {
-        let record = if self.is_shared { format!(", record {}", self.read.name) } else { String::new() };
-        format!("{}, {}, machine {}{record}", self.field.scene.scene.name, self.field.rays, self.read.machine)
+        let section = if self.is_shared { format!(", record {}", self.read.name) } else { String::new() };
+        format!("{}, {}, machine {}{section}", self.field.scene.scene.name, self.field.rays, self.read.machine)
     }
 }
 
-/// Makes a page of records, each with where it was read from, in at most so many bytes. `missing` are measurements that were to be beside them.
+/// Makes a page of records, each with where it was read from, in at most so many bytes. `missing` are measurements that were to be beside
+/// them.
 ///
 /// # Errors
 /// If a chart cannot be drawn.
 pub fn page(
-    records: &[(String, Run)],
+    records: &[(String, Record)],
     missing: &[String],
     makers: Makers,
     command: &str,
-    most_bytes: usize,
+    max_bytes: usize,
 ) -> Result<Page, ReportError> {
     let Records { all, machines, copies } = read::read(records);
     let names = Names::of(&all);
-    let shown: Vec<Vec<Shown<'_>>> =
-        all.iter().map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.run, points))).collect();
+    let shown: Vec<Vec<Shown<'_>>> = all
+        .iter()
+        .map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.record, points)))
+        .collect();
     let places = places(&all, &shown);
     let mut sections = Sections::default();
     let pages = |section| records::pages(&all, section, &machines, &names, makers.tables);
@@ -105,10 +108,10 @@ pub fn page(
     sections.add("break-even", "Break-even", fronts::break_even(&places, &machines, &names)?);
     sections.add("pictures", "Pictures of answers", pictures::pictures(&places, &machines));
     sections.add("need", "The need curve", pages(Section::Need)?);
-    let runs: Vec<Run> =
-        all.iter().filter(|read| read.run.table.is_some()).map(|read| read.run.clone().into_owned()).collect();
+    let rows: Vec<Record> =
+        all.iter().filter(|read| read.record.table.is_some()).map(|read| read.record.clone().into_owned()).collect();
     let mut tables = pages(Section::Table)?;
-    tables.extend((makers.claims)(&runs)?.iter().map(|page| records::claims(page, &names)));
+    tables.extend((makers.claims)(&rows)?.iter().map(|page| records::claims(page, &names)));
     sections.add("tables", "Tables and claims beside the published values", tables);
     sections.add("matrix", "The matrix", pages(Section::Matrix)?);
     sections.add("causes", "Causes of wrong answers", causes::causes(&places, &names));
@@ -124,20 +127,20 @@ pub fn page(
     let foot = foot(&again::section(command, &all));
     // What is left out is named once more below.
     let copies = same(&copies) + &listed("Not or not wholly measured", missing);
-    let room = most_bytes.saturating_sub(head.len() + copies.len() + foot.len());
+    let room = max_bytes.saturating_sub(head.len() + copies.len() + foot.len());
     Ok(sections.finish(head, &copies, &foot, room))
 }
 
 fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>> {
     let mut places = Vec::new();
     for (number, (read, shown)) in all.iter().zip(shown).enumerate() {
-        let Some(record) = read.points.as_ref().filter(|_| verdict::controls(&read.run) == Verdict::Sound) else {
+        let Some(section) = read.points.as_ref().filter(|_| verdict::controls(&read.record) == Verdict::Sound) else {
             continue;
         };
         for shown in shown {
             for field in &shown.fronts.fields {
                 if let Some(by) = By::all(field.query).last() {
-                    places.push(Place { read, number, record, shown, field, by: *by, is_shared: false });
+                    places.push(Place { read, number, section, shown, field, by: *by, is_shared: false });
                 }
             }
         }
@@ -226,10 +229,10 @@ fn head(names: &Names, sections: &Sections, answer: &str) -> String {
 /// Where every record is from.
 fn sources(all: &[Read<'_>], names: &Names) -> String {
     let of = |read: &Read<'_>| {
-        let mut page = summary::head(&read.run, "").and(summary::skipped(&read.run.skipped));
+        let mut page = summary::head(&read.record, "").and(summary::skipped(&read.record.skipped));
         // The title stands above.
         page.blocks.remove(0);
-        let title = format!("{} (machine {}{})", read.name, read.machine, answer::doubts_in_short(&read.run));
+        let title = format!("{} (machine {}{})", read.name, read.machine, answer::doubts_in_short(&read.record));
         fronts::details(&title, "", &write::plain_html(&page, 3, names))
     };
     all.iter().map(of).collect()

@@ -13,7 +13,7 @@ use super::pieces::{Piece, Rank, Tags, escape};
 use crate::picture::painted::{ERROR_DECADES, class_legend};
 use crate::report::format::significant;
 use crate::report::kept::{self, Kept};
-use crate::results::{PointPictures, Run, SetPictures};
+use crate::results::{PointPictures, Record, SetPictures};
 
 /// Names of what can be shown of a point, beside truth.
 const OF_A_POINT: [&str; 3] = ["answer", "class", "error"];
@@ -42,9 +42,9 @@ fn address(record: &str, name: &str) -> Option<String> {
 
 /// A word on files that are not the pictures after which they are named.
 fn others(places: &[Place<'_>]) -> Option<Piece> {
-    let records: BTreeMap<&str, &Run> = places.iter().map(|place| (place.read.path, &*place.read.run)).collect();
+    let records: BTreeMap<&str, &Record> = places.iter().map(|place| (place.read.path, &*place.read.record)).collect();
     let all: BTreeSet<String> =
-        records.into_iter().flat_map(|(path, run)| kept::others(Path::new(path), run)).collect();
+        records.into_iter().flat_map(|(path, record)| kept::others(Path::new(path), record)).collect();
     let names: Vec<String> = all.iter().map(|name| format!("<code>{}</code>", escape(name))).collect();
     let text = format!(
         "<p>Left out, since these files are not the pictures that the record names: {}.</p>\n",
@@ -66,7 +66,7 @@ fn figure(number: usize, place: &Place<'_>, set: &SetPictures, machine: &str) ->
     let mut images = image("truth", "", &format!("Truth: {title}"), &address(&set.truth)?);
     let mut options = String::new();
     for PointPictures { point, answer, class, error } in &set.points {
-        let known = place.record.points.get(*point)?;
+        let known = place.section.points.get(*point)?;
         let label = known.label();
         let files = [Some(answer), Some(class), error.as_ref()];
         let found: Vec<Option<String>> = files.iter().map(|name| name.and_then(|name| address(name))).collect();
@@ -87,8 +87,8 @@ fn figure(number: usize, place: &Place<'_>, set: &SetPictures, machine: &str) ->
     let whats =
         std::iter::once("truth").chain(OF_A_POINT.into_iter().take(if set.query == Query::Any { 2 } else { 3 }));
     let choice = |what: &str| {
-        let checked = if what == "class" { " checked" } else { "" };
-        format!("<label><input type=\"radio\" name=\"picture-{number}\" value=\"{what}\"{checked}> {what}</label>")
+        let held_out = if what == "class" { " checked" } else { "" };
+        format!("<label><input type=\"radio\" name=\"picture-{number}\" value=\"{what}\"{held_out}> {what}</label>")
     };
     let choices: String = whats.map(choice).collect();
     let key = |(name, colour): (&str, String)| format!("<li><i style=\"background:{colour}\"></i>{name}</li>");
@@ -106,7 +106,7 @@ fn figure(number: usize, place: &Place<'_>, set: &SetPictures, machine: &str) ->
 
 /// What brightness and colours of distances and errors say.
 fn scales(set: &SetPictures) -> String {
-    match (set.distances, set.greatest_error) {
+    match (set.distances, set.max_error) {
         (Some([nearest, farthest]), Some(greatest)) => {
             let [nearest, farthest] = [nearest, farthest].map(|t| significant(t, 3));
             let [most, least] = [greatest, greatest / 10_f64.powf(ERROR_DECADES)].map(|error| significant(error, 2));

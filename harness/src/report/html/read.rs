@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::pieces::Tags;
 use crate::report::{RUN_FILE, group};
-use crate::results::{FrontPoint, FrontScene, ParetoRecord, Run, TracerRun};
+use crate::results::{FrontPoint, FrontScene, ParetoRecord, Record, Row};
 use crate::studies::pareto::RAYS_PER_PIXEL;
 
 /// A record.
@@ -16,7 +16,7 @@ pub(super) struct Read<'a> {
     /// What the page calls it.
     pub name: String,
     /// It, as tables show it.
-    pub run: Cow<'a, Run>,
+    pub record: Cow<'a, Record>,
     /// Its points, if fronts are made of them: those of a study of fronts; of a plain run every row.
     pub points: Option<ParetoRecord>,
     /// Which machine it is from, from 1.
@@ -35,10 +35,10 @@ pub(super) struct Records<'a> {
 }
 
 /// Reads records, and lists their machines. What is given twice, or lies elsewhere as the same, is one.
-pub(super) fn read(records: &[(String, Run)]) -> Records<'_> {
+pub(super) fn read(records: &[(String, Record)]) -> Records<'_> {
     let mut machines: Vec<String> = Vec::new();
-    let mut number = |run: &Run| {
-        let label = run.provenance.machine.label();
+    let mut number = |record: &Record| {
+        let label = record.provenance.machine.label();
         let known = machines.iter().position(|machine| *machine == label);
         known.unwrap_or_else(|| {
             machines.push(label);
@@ -47,13 +47,13 @@ pub(super) fn read(records: &[(String, Run)]) -> Records<'_> {
     };
     let names = called(&records.iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>());
     let (mut all, mut copies) = (Vec::new(), Vec::new());
-    for (place, ((path, run), name)) in records.iter().zip(&names).enumerate() {
-        if let Some(first) = records[..place].iter().position(|(_, known)| known == run) {
+    for (place, ((path, record), name)) in records.iter().zip(&names).enumerate() {
+        if let Some(first) = records[..place].iter().position(|(_, known)| known == record) {
             copies.push([name.clone(), names[first].clone()]);
             continue;
         }
-        let run = run.aligned();
-        all.push(Read { path, name: name.clone(), points: points(&run), machine: number(&run), run });
+        let record = record.aligned();
+        all.push(Read { path, name: name.clone(), points: points(&record), machine: number(&record), record });
     }
     Records { all, machines, copies }
 }
@@ -81,18 +81,18 @@ fn folder(path: &str) -> Vec<&str> {
 }
 
 /// Whether every row of a record is something to choose: it is no study, and rows of a table are chosen for what that is of.
-fn is_plain(run: &Run) -> bool {
-    let is_study = run.sweep.is_some() || run.is_untimed() || run.updates.is_some() || run.need.is_some();
-    !is_study && run.table.is_none()
+fn is_plain(record: &Record) -> bool {
+    let is_study = record.sweep.is_some() || record.is_untimed() || record.updates.is_some() || record.need.is_some();
+    !is_study && record.table.is_none()
 }
 
-fn points(run: &Run) -> Option<ParetoRecord> {
-    if run.pareto.is_some() {
-        return run.pareto.clone();
+fn points(record: &Record) -> Option<ParetoRecord> {
+    if record.pareto.is_some() {
+        return record.pareto.clone();
     }
-    is_plain(run).then(|| {
+    is_plain(record).then(|| {
         let mut points: Vec<FrontPoint> = Vec::new();
-        for row in &run.runs {
+        for row in &record.rows {
             let order = points.iter().filter(|point| point.tracer == row.tracer.name).count() as u32;
             let point = point(row, order);
             if points.iter().all(|known| FrontPoint { order, ..known.clone() } != point) {
@@ -102,17 +102,17 @@ fn points(run: &Run) -> Option<ParetoRecord> {
         let scene = |group: group::Group<'_>| FrontScene {
             scene: group.scene.clone(),
             viewpoint: group.viewpoint.clone(),
-            checked: None,
-            not_checked: Some("it is a plain run".to_owned()),
+            held_out: None,
+            held_out_skipped: Some("it is of a plain run".to_owned()),
             ray_images: Vec::new(),
             pictures: Vec::new(),
         };
-        let scenes = group::groups(run).into_iter().filter(|group| !group.contenders.is_empty()).map(scene).collect();
-        ParetoRecord { most_points: points.len() as u32, rays_per_pixel: RAYS_PER_PIXEL.to_vec(), points, scenes }
+        let scenes = group::groups(record).into_iter().filter(|group| !group.configs.is_empty()).map(scene).collect();
+        ParetoRecord { max_points: points.len() as u32, rays_per_pixel: RAYS_PER_PIXEL.to_vec(), points, scenes }
     })
 }
 
-fn point(row: &TracerRun, order: u32) -> FrontPoint {
+fn point(row: &Row, order: u32) -> FrontPoint {
     let said = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let changed = row.tracer.changed.iter();
     let values = changed.filter_map(|name| Some((name.clone(), said(row.tracer.parameters.get(name)?))));
@@ -149,9 +149,9 @@ impl Names {
         }
         let mut names = Self::default();
         for read in records {
-            for row in &read.run.runs {
+            for row in &read.record.rows {
                 add(&mut names.tracers, &row.tracer.name);
-                if read.run.cases.is_none() {
+                if read.record.cases.is_none() {
                     add(&mut names.scenes, &row.scene.name);
                     row.traces.iter().for_each(|trace| add(&mut names.rays, &trace.rays));
                 }

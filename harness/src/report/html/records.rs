@@ -10,7 +10,7 @@ use crate::report::chart::{self, Drawing};
 use crate::report::document::Document;
 use crate::report::{Report, ReportError, SUMMARY, Section, Study, Tables};
 
-/// The pages of all records that stand in a section.
+/// The pages of all records that are in a section.
 ///
 /// # Errors
 /// If a chart cannot be drawn.
@@ -22,9 +22,9 @@ pub(super) fn pages(
     tables: Tables,
 ) -> Result<Vec<Piece>, ReportError> {
     let mut pieces = Vec::new();
-    for (read, study) in records.iter().map(|read| (read, Study::of(&read.run))) {
+    for (read, study) in records.iter().map(|read| (read, Study::of(&read.record))) {
         if study.section == section {
-            pieces.extend(pages_of(read, &study.report(&read.run, tables)?, &machines[read.machine - 1], names)?);
+            pieces.extend(pages_of(read, &study.report(&read.record, tables)?, &machines[read.machine - 1], names)?);
         }
     }
     Ok(pieces)
@@ -38,28 +38,25 @@ fn pages_of(read: &Read<'_>, report: &Report, machine: &str, names: &Names) -> R
     let mut pieces = Vec::new();
     // What the writer meets of charts that cannot be drawn.
     let failed: RefCell<Option<ReportError>> = RefCell::new(None);
-    let charts = |stem: &str, alt: &str, tags: Tags<'_>| {
-        let drawing = report.charts.iter().find(|(name, _)| name == stem).map(|(_, drawing)| drawing);
-        drawing.map_or_else(Vec::new, |drawing| {
-            drawn(drawing, alt, tags, read, machine, names).unwrap_or_else(|error| {
-                failed.borrow_mut().get_or_insert(chart::made(stem, &error));
-                Vec::new()
-            })
+    let charts = |stem: &str, alt: &str, drawing: &Drawing, tags: Tags<'_>| {
+        drawn(drawing, alt, tags, read, machine, names).unwrap_or_else(|error| {
+            failed.borrow_mut().get_or_insert(chart::made(stem, &error));
+            Vec::new()
         })
     };
     for (name, page) in pages {
         let title = format!("{} ({})", page.title().unwrap_or(name), read.name);
         if name == SUMMARY {
-            let html = html(page, 3, names, &|stem, alt, tags| {
-                charts(stem, alt, tags).into_iter().map(|(_, html)| html).collect()
+            let html = html(page, 3, names, &|stem, alt, drawing, tags| {
+                charts(stem, alt, drawing, tags).into_iter().map(|(_, html)| html).collect()
             });
             pieces.push(heavy(Rank::Full, format!("{name} of {}", read.name), details(&title, "", &html)));
             continue;
         }
         let above = RefCell::new(Vec::new());
-        let html = html(page, 3, names, &|stem, alt, tags| {
+        let html = html(page, 3, names, &|stem, alt, drawing, tags| {
             let heavy = |(of, html): (String, String)| heavy(Rank::Chart, format!("{stem}.svg of {of}"), html);
-            above.borrow_mut().extend(charts(stem, alt, tags).into_iter().map(heavy));
+            above.borrow_mut().extend(charts(stem, alt, drawing, tags).into_iter().map(heavy));
             String::new()
         });
         pieces.extend(above.into_inner());

@@ -15,7 +15,7 @@ fn point(name: &str, missed: f64, speed: f64, mib: u64, build: f64) -> FrontQual
     FrontQuality { name, quality, mib, build }
 }
 
-fn planted() -> Run {
+fn planted() -> Record {
     let points = [
         point("exact", 0.0, 1.0, 40, 4.0),
         point("exact:improved", 0.0, 2.0, 50, 5.0),
@@ -26,8 +26,9 @@ fn planted() -> Run {
     fixture::fronts(&points, &SETS, 30.0)
 }
 
-fn page_of(records: &[(&str, Run)], most: usize) -> Page {
-    let named: Vec<(String, Run)> = records.iter().map(|(path, run)| ((*path).to_owned(), run.clone())).collect();
+fn page_of(records: &[(&str, Record)], most: usize) -> Page {
+    let named: Vec<(String, Record)> =
+        records.iter().map(|(path, record)| ((*path).to_owned(), record.clone())).collect();
     page(&named, &["later: not reached".to_owned()], MAKERS, COMMAND, most).unwrap()
 }
 
@@ -47,12 +48,12 @@ fn part<'a>(html: &'a str, begin: &str, end: &str) -> &'a str {
     &html[from..behind + html[behind..].find(end).unwrap_or_else(|| panic!("no {end} behind {begin}"))]
 }
 
-/// Proves that what a budget is held against is every point that was timed, with what it costs in the units of the fields: without a
+/// Proves that what a budget is compared with is every point that was timed, with what it costs in the units of the fields: without a
 /// limit the cheapest of those that are right often enough is whom the program takes, for each aim.
 #[test]
 fn a_budget_has_every_point() {
-    let run = planted();
-    let Page { html, .. } = page_of(&[("fronts", run)], MOST_BYTES);
+    let record = planted();
+    let Page { html, .. } = page_of(&[("fronts", record)], MAX_BYTES);
     let text = part(&html, "id=\"budget-points\">", "</script>").trim_start_matches("id=\"budget-points\">");
     let cases: Vec<serde_json::Value> = serde_json::from_str(text).unwrap();
     assert_eq!(cases.iter().map(|case| case["rays"].as_str().unwrap()).collect::<Vec<_>>(), ["diffuse", "ao"]);
@@ -80,16 +81,16 @@ fn a_budget_has_every_point() {
     assert_eq!(others, 4);
 }
 
-/// Proves that a page of fronts needs nothing else, is under the limit, tells who to take for each need and why, names the machine at every
-/// chart, and has the command. A page with a picture of elsewhere is found out.
+/// Proves that a page of fronts needs nothing else, is under the limit, tells which to choose for each need and why, names the machine at
+/// every chart, and has the command. A page with a picture of elsewhere is found out.
 #[test]
 fn a_page_needs_nothing_else() {
-    let run = planted();
-    let machine = escape(&run.provenance.machine.label());
-    let Page { html, dropped } = page_of(&[("fronts", run)], MOST_BYTES);
+    let record = planted();
+    let machine = escape(&record.provenance.machine.label());
+    let Page { html, dropped } = page_of(&[("fronts", record)], MAX_BYTES);
     assert_eq!(leads_out(&html), Vec::<&str>::new());
     assert_eq!(leads_out(&html.replace("<main>", "<main><img src=x>")).len(), 2);
-    assert!(html.len() < MOST_BYTES && dropped.is_empty() && html.contains("Nothing for want of room"));
+    assert!(html.len() < MAX_BYTES && dropped.is_empty() && html.contains("Nothing for want of room"));
     assert!(html.contains("<p>Not or not wholly measured:</p><ul><li>later: not reached</li></ul>"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=\"fronts\"");
     for told in [
@@ -130,10 +131,10 @@ fn a_page_needs_nothing_else() {
 /// nothing points at a row that is not there.
 #[test]
 fn every_point_is_there_once() {
-    let run = planted();
-    let record = run.pareto.clone().unwrap();
-    let html = page_of(&[("fronts", run)], MOST_BYTES).html;
-    for (index, point) in record.points.iter().enumerate() {
+    let record = planted();
+    let section = record.pareto.clone().unwrap();
+    let html = page_of(&[("fronts", record)], MAX_BYTES).html;
+    for (index, point) in section.points.iter().enumerate() {
         let row = format!("<tr id=\"r0p{index}\"");
         assert_eq!(html.matches(&row).count(), 1, "{row}");
         let row = part(&html, &row, "</tr>");
@@ -159,9 +160,9 @@ fn every_point_is_there_once() {
 }
 
 /// Places of the points on the front of speed over diffuse rays by footprint.
-fn fastest(run: &Run) -> Vec<usize> {
-    let record = run.pareto.as_ref().unwrap();
-    let all = shown(run, record);
+fn fastest(record: &Record) -> Vec<usize> {
+    let section = record.pareto.as_ref().unwrap();
+    let all = shown(record, section);
     let field = &all[0].fronts.fields[0];
     let by = *By::all(field.query).last().unwrap();
     let front = field.front(&field.entries, crate::studies::pareto::Cost::Trace, by);
@@ -174,28 +175,28 @@ fn fastest(run: &Run) -> Vec<usize> {
 #[test]
 fn hostile_names_are_text() {
     let hostile = "<script>alert('x')</script>\"><img src=q onerror=z>";
-    let mut run = planted();
+    let mut record = planted();
     let rename = |name: &mut String| *name = hostile.to_owned();
-    run.runs.iter_mut().chain(&mut run.controls).for_each(|row| rename(&mut row.scene.name));
-    let record = run.pareto.as_mut().unwrap();
-    record.scenes.iter_mut().for_each(|scene| rename(&mut scene.scene.name));
-    for name in run
-        .runs
+    record.rows.iter_mut().chain(&mut record.controls).for_each(|row| rename(&mut row.scene.name));
+    let section = record.pareto.as_mut().unwrap();
+    section.scenes.iter_mut().for_each(|scene| rename(&mut scene.scene.name));
+    for name in record
+        .rows
         .iter_mut()
         .map(|row| &mut row.tracer.name)
-        .chain(record.points.iter_mut().map(|point| &mut point.tracer))
+        .chain(section.points.iter_mut().map(|point| &mut point.tracer))
     {
         *name = name.replace("rough", "<b onclick=u>rough</b>");
     }
-    run.skipped.push(crate::results::Skipped {
+    record.skipped.push(crate::results::Skipped {
         tracer: None,
         scene: hostile.to_owned(),
         rays: None,
         reason: hostile.to_owned(),
     });
     let mut plain = fixture::typical();
-    plain.runs.iter_mut().chain(&mut plain.controls).for_each(|row| rename(&mut row.scene.name));
-    let html = page_of(&[(hostile, run), ("plain", plain)], MOST_BYTES).html;
+    plain.rows.iter_mut().chain(&mut plain.controls).for_each(|row| rename(&mut row.scene.name));
+    let html = page_of(&[(hostile, record), ("plain", plain)], MAX_BYTES).html;
     assert_eq!(html.matches("<script").count(), 2, "only the page's own and its points");
     assert!(!html.contains("<img") && !html.contains("<b onclick"));
     assert!(html.contains("data-scene=\"&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;"));
@@ -209,7 +210,7 @@ fn hostile_names_are_text() {
 #[test]
 fn what_has_no_room_is_told() {
     let records = [("fronts", planted()), ("plain", fixture::typical())];
-    let whole = page_of(&records, MOST_BYTES).html;
+    let whole = page_of(&records, MAX_BYTES).html;
     let most = whole.len() * 6 / 10;
     let Page { html, dropped } = page_of(&records, most);
     assert!(html.len() <= most && !dropped.is_empty(), "{} of {most}", html.len());
@@ -222,19 +223,19 @@ fn what_has_no_room_is_told() {
     assert!(html.contains("aria-label=\"Fronts of room, diffuse"));
 }
 
-/// Proves that records of several kinds come to stand in their sections, each with its path; a kind that is not there has none; and that a
+/// Proves that records of several kinds come to are in their sections, each with its path; a kind that is not there has none; and that a
 /// record whose controls fail answers nothing and is named.
 #[test]
 fn kinds_have_their_sections() {
-    let table = Run { table: Some("bvh".to_owned()), ..fixture::typical() };
-    let need = Run {
-        need: Some(NeedRecord { most_lost_share: 0.001, most_times_as_long: 1.25, curves: Vec::new() }),
+    let table = Record { table: Some("bvh".to_owned()), ..fixture::typical() };
+    let need = Record {
+        need: Some(NeedRecord { max_lost_share: 0.001, max_slowdown: 1.25, curves: Vec::new() }),
         ..fixture::typical()
     };
-    let cases = Run { cases: Some(CasesRecord { cases: Vec::new() }), ..fixture::typical() };
+    let cases = Record { cases: Some(CasesRecord { cases: Vec::new() }), ..fixture::typical() };
     let records =
         [("fronts", planted()), ("a-table", table), ("a-need", need), ("cases", cases), ("plain", fixture::typical())];
-    let html = page_of(&records, MOST_BYTES).html;
+    let html = page_of(&records, MAX_BYTES).html;
     for (id, told) in [
         ("fronts", "Points of fronts with all parameters"),
         ("operating-points", "Operating points; what they do"),
@@ -250,24 +251,24 @@ fn kinds_have_their_sections() {
         let section = part(&html, &format!("<section id=\"{id}\">"), "<section id=");
         assert!(section.contains(told), "no '{told}' in {id}");
     }
-    let mut void = fixture::typical();
-    void.controls.clear();
-    let html = page_of(&[("spoilt", void)], MOST_BYTES).html;
+    let mut invalid = fixture::typical();
+    invalid.controls.clear();
+    let html = page_of(&[("spoilt", invalid)], MAX_BYTES).html;
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
-    assert!(answer.contains("Void, since a control fails, and part of no answer:</strong> spoilt"), "{answer}");
+    assert!(answer.contains("Invalid, since a control fails, and part of no answer:</strong> spoilt"), "{answer}");
     assert!(!html.contains("<section id=\"fronts\"") && !html.contains("<section id=\"matrix\""));
 }
 
-/// Proves that smoke runs are no cases of the sentence that says who to take, but where there is nothing else.
+/// Proves that smoke runs are no cases of the sentence that says which to choose, but where there is nothing else.
 #[test]
 fn smoke_runs_are_no_cases_beside_others() {
     let smoke = || {
-        let mut run = planted();
-        run.preset = "smoke".to_owned();
-        run
+        let mut record = planted();
+        record.preset = "smoke".to_owned();
+        record
     };
-    let answer = |records: &[(&str, Run)]| {
-        let html = page_of(records, MOST_BYTES).html;
+    let answer = |records: &[(&str, Record)]| {
+        let html = page_of(records, MAX_BYTES).html;
         part(&html, "<section id=\"answer\"", "<section id=").to_owned()
     };
     let both = answer(&[("whole", planted()), ("smoke", smoke())]);
@@ -279,8 +280,8 @@ fn smoke_runs_are_no_cases_beside_others() {
 /// again, or lies elsewhere as the same, is none, and is named.
 #[test]
 fn records_of_the_same_are_told_apart() {
-    let other = || Run { seed: planted().seed + 1, ..planted() };
-    let html = page_of(&[("/home/x/a/fronts", planted()), ("b/fronts/run.json", other())], MOST_BYTES).html;
+    let other = || Record { seed: planted().seed + 1, ..planted() };
+    let html = page_of(&[("/home/x/a/fronts", planted()), ("b/fronts/run.json", other())], MAX_BYTES).html;
     assert!(!html.contains("home/x"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
     assert!(
@@ -295,7 +296,7 @@ fn records_of_the_same_are_told_apart() {
         assert!(html.contains(&format!("diffuse, machine 1, record {name}")));
     }
     assert_eq!(html.matches("<th scope=\"col\">record</th>").count(), 5);
-    let html = page_of(&[("fronts", planted()), ("copy", planted()), ("fronts", planted())], MOST_BYTES).html;
+    let html = page_of(&[("fronts", planted()), ("copy", planted()), ("fronts", planted())], MAX_BYTES).html;
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
     assert!(answer.contains("</span> in room, of 3 tracers: fastest <strong>fair</strong>;"), "{answer}");
     assert!(answer.contains("the same record is there:</strong> copy (as fronts), fronts (as fronts)."), "{answer}");
@@ -316,9 +317,9 @@ fn records_are_called_as_their_folders() {
 /// Proves that the first screen names few of many doubtful records, and that each still says below what speaks against it.
 #[test]
 fn many_doubtful_records_do_not_fill_the_first_screen() {
-    let smoke = |seed| Run { preset: "smoke".to_owned(), seed, ..fixture::typical() };
+    let smoke = |seed| Record { preset: "smoke".to_owned(), seed, ..fixture::typical() };
     let records = [("one", smoke(1)), ("two", smoke(2)), ("three", smoke(3)), ("four", smoke(4))];
-    let html = page_of(&records, MOST_BYTES).html;
+    let html = page_of(&records, MAX_BYTES).html;
     let notes = part(&html, "<div class=\"notes\"", "</div>");
     let told = "only show that things work:</strong> one, two and 2 more, told below";
     assert!(notes.contains(told) && !notes.contains("three"), "{notes}");
@@ -338,41 +339,41 @@ fn pictures_are_those_beside_the_record() {
         std::fs::write(pictures.join(&name), text).unwrap();
         name
     };
-    let mut run = planted();
+    let mut record = planted();
     let of_point = |point: usize| PointPictures {
         point,
         answer: keep(&format!("answer {point}")),
         class: keep(&format!("class {point}")),
         error: Some(keep(&format!("error {point}"))),
     };
-    run.pareto.as_mut().unwrap().scenes[0].pictures = vec![SetPictures {
+    record.pareto.as_mut().unwrap().scenes[0].pictures = vec![SetPictures {
         rays: "diffuse".to_owned(),
         query: Query::Closest,
         size: [4, 2],
         distances: Some([0.5, 8.0]),
-        greatest_error: Some(10.0),
+        max_error: Some(10.0),
         truth: keep("truth"),
         points: vec![of_point(0), of_point(2)],
     }];
     let path = folder.path().to_str().unwrap();
-    let shown = |run: &Run| {
-        let html = page_of(&[(path, run.clone())], MOST_BYTES).html;
+    let shown = |record: &Record| {
+        let html = page_of(&[(path, record.clone())], MAX_BYTES).html;
         if !html.contains("<section id=\"pictures\"") {
             return None;
         }
         let section = part(&html, "<section id=\"pictures\"", "</section>").to_owned();
         Some((section.matches("<img ").count(), section.matches("<option ").count(), section))
     };
-    let (images, options, section) = shown(&run).unwrap();
+    let (images, options, section) = shown(&record).unwrap();
     assert_eq!((images, options, section.matches("<figure ").count()), (7, 2, 1));
     for wanted in ["alt=\"error of rough", "data-what=\"truth\"", "white 0.500, darkest 8.00", "1.0e-5 (white) to 10"] {
         assert!(section.contains(wanted), "no '{wanted}' in {section}");
     }
     std::fs::write(pictures.join(keep("class 2")), "another").unwrap();
-    assert_eq!(shown(&run).map(|(images, options, _)| (images, options)), Some((4, 1)));
-    let mut elsewhere = run.clone();
+    assert_eq!(shown(&record).map(|(images, options, _)| (images, options)), Some((4, 1)));
+    let mut elsewhere = record.clone();
     elsewhere.pareto.as_mut().unwrap().scenes[0].pictures[0].truth = "../truth.png".to_owned();
     assert_eq!(shown(&elsewhere).map(|(images, options, _)| (images, options)), Some((0, 0)));
     std::fs::remove_dir_all(&pictures).unwrap();
-    assert!(shown(&run).is_none());
+    assert!(shown(&record).is_none());
 }

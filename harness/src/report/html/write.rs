@@ -7,11 +7,12 @@ use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
 use super::pieces::{Tags, escape};
 use super::read::Names;
+use crate::report::chart::Drawing;
 use crate::report::document::{Block, Document};
 use crate::report::sheet::{Cell, Table};
 
-/// Makes of a chart what stands in its place: of its name, what it shows and what it belongs to.
-pub(super) type Charts<'a> = dyn Fn(&str, &str, Tags<'_>) -> String + 'a;
+/// Makes of a chart what is in its place: of its name, what it shows, itself and what it belongs to.
+pub(super) type Charts<'a> = dyn Fn(&str, &str, &Drawing, Tags<'_>) -> String + 'a;
 
 /// A document whose titles begin at a level.
 pub(super) fn html(document: &Document, level: usize, names: &Names, charts: &Charts<'_>) -> String {
@@ -40,9 +41,9 @@ pub(super) fn html(document: &Document, level: usize, names: &Names, charts: &Ch
                 writeln!(html, "{begin}<li>{}</li>{}", inline(words), if is_listed { "" } else { "\n</ul>" })
             }
             Block::Table(all) => write!(html, "{}", table(all, names)),
-            Block::Chart(stem, alt) => {
+            Block::Chart(stem, alt, drawing) => {
                 let tags = open.iter().fold(Tags::default(), |all, (_, own)| own.or(all));
-                write!(html, "{}", charts(stem, alt, tags))
+                write!(html, "{}", charts(stem, alt, drawing, tags))
             }
         };
     }
@@ -52,7 +53,7 @@ pub(super) fn html(document: &Document, level: usize, names: &Names, charts: &Ch
 
 /// A document without charts.
 pub(super) fn plain_html(document: &Document, level: usize, names: &Names) -> String {
-    html(document, level, names, &|_, _, _| String::new())
+    html(document, level, names, &|_, _, _, _| String::new())
 }
 
 /// Closes sections of titles of this level and below.
@@ -72,7 +73,7 @@ fn table(table: &Table, names: &Names) -> String {
     }
     html.push_str("</tr></thead>\n<tbody>\n");
     for row in table.rows() {
-        let cells: Vec<(String, &Cell)> = row.map(|cell| (cell.told(), cell)).collect();
+        let cells: Vec<(String, &Cell)> = row.map(|cell| (cell.describe(), cell)).collect();
         let _ = write!(
             html,
             "<tr{}>",
@@ -180,6 +181,7 @@ pub(super) fn figure(svg: &str, alt: &str, caption: &str, tags: Tags<'_>) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::chart::series::SeriesChart;
     use crate::report::document::Of;
     use crate::report::sheet::Sheet;
 
@@ -193,7 +195,7 @@ mod tests {
 
     fn cells(headings: &[&str], rows: &[&[&str]]) -> Table {
         let column = |sheet: Sheet<'static, Vec<String>>, (place, heading): (usize, &&str)| {
-            sheet.told(*heading, move |row: &Vec<String>| row[place].clone())
+            sheet.column(*heading, move |row: &Vec<String>| row[place].clone())
         };
         let rows: Vec<Vec<String>> =
             rows.iter().map(|row| row.iter().map(|cell| (*cell).to_owned()).collect()).collect();
@@ -232,8 +234,24 @@ mod tests {
     #[test]
     fn nothing_leads_out() {
         let hostile = "<script>alert(1)</script> <img src=x onerror=y> [b](https://c.d) ![e](https://f.g/h.png) **k**";
-        let page = Document::of(hostile).chart("j", "i").item(hostile).table(cells(&["scene"], &[&["<b>hall"]]));
-        let html = html(&page, 3, &names(), &|stem, alt, _| format!("[{stem} {alt}]"));
+        let page = Document::of(hostile)
+            .chart(
+                "j",
+                "i",
+                Drawing::Series(
+                    SeriesChart {
+                        stem: String::new(),
+                        title: String::new(),
+                        subtitle: String::new(),
+                        key: None,
+                        panels: Vec::new(),
+                    },
+                    String::new(),
+                ),
+            )
+            .item(hostile)
+            .table(cells(&["scene"], &[&["<b>hall"]]));
+        let html = html(&page, 3, &names(), &|stem, alt, _, _| format!("[{stem} {alt}]"));
         assert!(!html.contains("<script") && !html.contains("<img") && !html.contains("<a "), "{html}");
         assert!(html.contains("&lt;script&gt;") && html.contains("<strong>k</strong>") && html.contains("[j i]"));
         assert!(html.contains("<tr data-scene=\"&lt;b&gt;hall\">"), "{html}");

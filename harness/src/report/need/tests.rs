@@ -7,26 +7,26 @@ use tracebench_api::{ClockKind, Query};
 
 use crate::report::chart::{check_png, check_svg};
 use crate::report::fixture::{self, Quality, write_run};
-use crate::results::{ChangedRays, CounterRecord, NeedCurve, NeedPoint, NeedRecord, Rule, Run};
+use crate::results::{ChangedRays, CounterRecord, NeedCurve, NeedPoint, NeedRecord, Record, Rule};
 
 /// A tracer from two viewpoints: fewer buckets lose so many of 100,000 rays.
-fn planted() -> Run {
+fn planted() -> Record {
     let quality = Quality { missed: 0.0, blur: 1e-9, speed: 4.0, clock: ClockKind::Host };
     let buckets = ["24", "8", "4"];
     let named = buckets.map(|_| ("dirt", quality));
-    let mut run = fixture::run(&[], &[]);
-    run.skipped.clear();
+    let mut record = fixture::run(&[], &[]);
+    record.skipped.clear();
     let mut curves = Vec::new();
     for (view, (name, lost)) in [("door", [0_u64, 30, 900]), ("window", [0, 700, 900])].into_iter().enumerate() {
         let mut made = fixture::run(&named, &[("diffuse", Query::Closest)]);
         let mut points = Vec::new();
-        for (place, row) in made.runs.iter_mut().enumerate() {
+        for (place, row) in made.rows.iter_mut().enumerate() {
             row.viewpoint.name = name.to_owned();
             row.tracer.parameters.insert("buckets".to_owned(), buckets[place].into());
             row.memory.structure[0].name = "nodes (texture)".to_owned();
             row.memory.structure_bytes = 32 << (20 - place);
             row.structure_statistics.insert("references".to_owned(), 1000.0);
-            let counter = CounterRecord { total: 250, per_ray: 0.0, greatest_per_ray: None };
+            let counter = CounterRecord { total: 250, per_ray: 0.0, max_per_ray: None };
             row.traces[0].counters.insert("references_touched".to_owned(), counter);
             let shrunk = (place > 0).then(|| ("buckets".to_owned(), buckets[place].to_owned()));
             let changed = ChangedRays { rays: 100_000, newly_wrong: lost[place], newly_right: 0 };
@@ -40,8 +40,8 @@ fn planted() -> Run {
             });
         }
         curves.push(NeedCurve {
-            scene: made.runs[0].scene.name.clone(),
-            scene_sha256: made.runs[0].scene.sha256.clone(),
+            scene: made.rows[0].scene.name.clone(),
+            scene_sha256: made.rows[0].scene.sha256.clone(),
             viewpoint: name.to_owned(),
             view: view as u32,
             tracer: "dirt".to_owned(),
@@ -49,10 +49,10 @@ fn planted() -> Run {
             rule: Rule::Tight,
             points,
         });
-        run.runs.extend(made.runs);
+        record.rows.extend(made.rows);
     }
-    run.need = Some(NeedRecord { most_lost_share: 0.001, most_times_as_long: 1.25, curves });
-    run
+    record.need = Some(NeedRecord { max_lost_share: 0.001, max_slowdown: 1.25, curves });
+    record
 }
 
 /// Proves that the page says what is needed, stored and touched, and whether a need serves elsewhere; that the table has a row a
@@ -67,10 +67,7 @@ fn needs_have_their_files() {
     assert!(page.contains(first), "{page}");
     assert!(page.contains("buckets: not at all, 8 is too small"), "{page}");
     assert!(page.contains("0 of 1 serve") && page.contains("**no**"), "{page}");
-    let mut reader = ::csv::Reader::from_path(folder.path().join("need.csv")).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let column = header.iter().position(|name| name == "newly_wrong_rays").unwrap();
-    let told: Vec<String> = reader.records().map(|record| record.unwrap()[column].to_owned()).collect();
+    let told: Vec<String> = fixture::configs(folder.path()).iter().map(|row| row["newly_wrong_rays"].clone()).collect();
     assert_eq!(told, ["", "30", "900", "", "700", "900"]);
     let chart = |end: &str| written.iter().find(|path| path.ends_with(format!("need_room_diffuse.{end}"))).unwrap();
     let svg = std::fs::read_to_string(chart("svg")).unwrap();
@@ -83,14 +80,14 @@ fn needs_have_their_files() {
 #[test]
 fn nothing_to_shrink_is_said() {
     let folder = TempDir::new().unwrap();
-    let mut run = planted();
-    for curve in &mut run.need.as_mut().unwrap().curves {
+    let mut record = planted();
+    for curve in &mut record.need.as_mut().unwrap().curves {
         curve.points.truncate(1);
     }
-    write_run(&run, folder.path(), fixture::tables).unwrap();
+    write_run(&record, folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("need.md")).unwrap();
     assert!(page.contains("nothing shrinks") && page.contains("the whole") && page.contains("None: there is no other"));
-    run.runs.clear();
-    let written = write_run(&run, folder.path(), fixture::tables).unwrap();
+    record.rows.clear();
+    let written = write_run(&record, folder.path(), fixture::tables).unwrap();
     assert!(written.iter().all(|path| path.extension().is_none_or(|end| end != "svg")));
 }

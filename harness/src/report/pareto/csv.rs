@@ -1,14 +1,16 @@
-//! The tables of fronts: a row a point, an operating point, a pair of methods.
+//! The tables of fronts: what is told of points, a row an operating point, a row a pair of methods.
+
+use std::ptr;
 
 use tracebench_api::Query;
 
 use super::Shown;
 use crate::report::metrics::{self, COUNT};
-use crate::report::sheet::{Column, Columns, Sheet, Table};
-use crate::results::{CheckedRecord, ParetoRecord, Run};
+use crate::report::sheet::{Cell, Column, Columns, Sheet, Table};
+use crate::results::{HeldOutRecord, ParetoRecord, TraceRecord};
 use crate::studies::pareto::{
-    Aim, Amount, By, Check, Class, ClassCost, Cost, Entry, Field, LEVELS, Overtaking, Wrong, best, check, classes,
-    overtaking,
+    Aim, Amount, BreakEven, By, Check, Class, ClassCost, Cost, Entry, Field, LEVELS, Wrong, best, break_even, check,
+    classes,
 };
 
 /// Every rule.
@@ -17,21 +19,21 @@ fn rules() -> Vec<By> {
 }
 
 /// The rules and costs by which a point stands to a front, in the order of columns.
-fn kinds(record: &ParetoRecord) -> Vec<(By, Cost)> {
-    let costs = Cost::all(&record.rays_per_pixel);
+fn kinds(section: &ParetoRecord) -> Vec<(By, Cost)> {
+    let costs = Cost::all(&section.rays_per_pixel);
     rules().into_iter().flat_map(|by| costs.iter().map(move |cost| (by, *cost)).collect::<Vec<_>>()).collect()
 }
 
 /// How entries stand to their own front, by their places.
 fn named<'a>(field: &Field<'a>, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(usize, &'static str)> {
-    let standings = field.standings(entries, cost, by).into_iter();
-    standings.map(|(entry, _, standing)| (entry.index, standing.name())).collect()
+    let front_statuses = field.front_statuses(entries, cost, by).into_iter();
+    front_statuses.map(|(entry, _, front_status)| (entry.index, front_status.name())).collect()
 }
 
 /// By kind how every entry stands to the front of all, and to its tracer's own.
 type Standings = Vec<[Vec<(usize, &'static str)>; 2]>;
 
-fn standings(field: &Field<'_>, kinds: &[(By, Cost)]) -> Standings {
+fn front_statuses(field: &Field<'_>, kinds: &[(By, Cost)]) -> Standings {
     let of_kind = |(by, cost): &(By, Cost)| {
         if !By::all(field.query).contains(by) {
             return [Vec::new(), Vec::new()];
@@ -44,46 +46,33 @@ fn standings(field: &Field<'_>, kinds: &[(By, Cost)]) -> Standings {
 }
 
 /// A point on a ray set.
-struct Point<'a> {
+pub(super) struct Point<'a> {
     field: &'a Field<'a>,
     entry: &'a Entry<'a>,
-    standings: &'a Standings,
+    front_statuses: &'a Standings,
 }
 
-impl Point<'_> {
-    fn wrong(&self, by: By) -> Option<Wrong> {
-        Wrong::of(self.entry.trace, by).filter(|_| By::all(self.field.query).contains(&by))
-    }
-}
-
-/// A row a scene, ray set and point.
-pub(super) fn points(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Table {
+/// Every field with the standings of its points.
+pub(super) fn fields<'a>(record: &ParetoRecord, shown: &'a [Shown<'a>]) -> Vec<(&'a Field<'a>, Standings)> {
     let kinds = kinds(record);
-    let fields = || shown.iter().flat_map(|scene| &scene.fronts.fields);
-    let of_fields: Vec<(&Field<'_>, Standings)> = fields().map(|field| (field, standings(field, &kinds))).collect();
-    let mut rows: Vec<Point<'_>> = Vec::new();
-    for (field, standings) in &of_fields {
-        rows.extend(field.entries.iter().map(|entry| Point { field, entry, standings }));
-    }
-    let sheet = Sheet::<Point<'_>>::new()
-        .scene_of(|row| (&row.field.scene.scene.name, &row.field.scene.scene.sha256))
-        .column("viewpoint", |row| row.field.viewpoint.name.clone())
-        .column("rays", |row| row.field.rays.to_owned())
-        .column("rays_sha256", |row| row.entry.trace.rays_sha256.clone())
-        .query(|row| Some(row.field.query))
-        .metric(COUNT, |row: &Point<'_>| Some(row.field.count.into()))
-        .column("tracer", |row| row.entry.point.tracer.clone())
-        .column("preset", |row| row.entry.point.preset.clone())
-        .column("order", |row| row.entry.point.order)
+    shown.iter().flat_map(|scene| &scene.fronts.fields).map(|field| (field, front_statuses(field, &kinds))).collect()
+}
+
+/// The point of a row.
+pub(super) fn point<'a>(fields: &'a [(&'a Field<'a>, Standings)], trace: &TraceRecord) -> Option<Point<'a>> {
+    fields.iter().find_map(|(field, front_statuses)| {
+        let entry = field.entries.iter().find(|entry| ptr::eq(entry.trace, trace))?;
+        Some(Point { field, entry, front_statuses })
+    })
+}
+
+/// What is told of points: what they have on their axes, what they cost, and how they stand to fronts.
+pub(super) fn points<'a>(section: &ParetoRecord) -> Sheet<'a, Point<'a>> {
+    Sheet::<Point<'_>>::new()
+        .csv_column("order", |row| row.entry.point.order)
         .json("values_json", |row| &row.entry.point.values)
-        .json("parameters_json", |row| &row.entry.point.parameters)
-        .sizes(|row| (row.entry.point.frame, row.entry.point.face))
-        .hits(|row| Some(row.entry.trace))
-        .with(Cost::all(&record.rays_per_pixel).into_iter().map(cost).collect())
-        .with(rules().into_iter().flat_map(wrong).collect())
-        .with(kinds.iter().enumerate().flat_map(|(place, kind)| fronts(place, *kind)).collect())
-        .provenance(&run.provenance, &run.preset);
-    sheet.table(&rows)
+        .with(Cost::all(&section.rays_per_pixel).into_iter().map(cost).collect())
+        .with(kinds(section).into_iter().enumerate().flat_map(|(place, kind)| fronts(place, kind)).collect())
 }
 
 /// What a point costs.
@@ -94,26 +83,14 @@ fn cost<'a>(cost: Cost) -> Column<'a, Point<'a>> {
         Cost::Bytes => "bytes".to_owned(),
         Cost::Frame(_) => format!("{}_ms", cost.code()),
     };
-    Column::new(&*name, move |row: &Point<'a>| row.field.cost(row.entry, cost))
-        .beside(&[&format!("{name}_low"), &format!("{name}_high")])
-}
-
-/// How often a point is wrong by a rule, and the bound.
-fn wrong<'a>(by: By) -> Columns<'a, Point<'a>> {
-    let name = format!("wrong_{}", by.name());
-    let share = move |row: &Point<'a>| row.wrong(by).map(|wrong| wrong.share);
-    let ends = [&*format!("{name}_low_share"), &format!("{name}_high_share")];
-    vec![
-        Column::new(format!("{name}_share"), share).beside(&ends),
-        Column::new(format!("{name}_bound_share"), move |row: &Point<'a>| row.wrong(by).map(|wrong| wrong.bound)),
-    ]
+    Column::csv(name, move |row: &Point<'a>| row.field.cost(row.entry, cost))
 }
 
 /// How a point stands to the front of all, and to its tracer's own.
 fn fronts<'a>(place: usize, (by, cost): (By, Cost)) -> Columns<'a, Point<'a>> {
     let column = |(whose, front): (usize, &str)| {
-        Column::new(format!("{front}_{}_{}", by.name(), cost.code()), move |row: &Point<'a>| {
-            let found = row.standings[place][whose].iter().find(|(index, _)| *index == row.entry.index);
+        Column::csv(format!("{front}_{}_{}", by.name(), cost.code()), move |row: &Point<'a>| {
+            let found = row.front_statuses[place][whose].iter().find(|(index, _)| *index == row.entry.index);
             found.map(|(_, name)| *name)
         })
     };
@@ -132,8 +109,8 @@ pub(super) struct Operating<'a> {
 }
 
 impl Operating<'_> {
-    fn there(&self) -> Option<&CheckedRecord> {
-        self.shown.fronts.scene.checked.as_ref()
+    fn there(&self) -> Option<&HeldOutRecord> {
+        self.shown.fronts.scene.held_out.as_ref()
     }
 
     /// What became of it elsewhere.
@@ -145,7 +122,7 @@ impl Operating<'_> {
         Some(self.field.cost(&self.found, cost)?.value)
     }
 
-    fn checked(&self) -> &'static str {
+    fn held_out(&self) -> &'static str {
         match self.check() {
             Check::Holds(_) => "holds",
             Check::WithinNoise(_) => "within_noise",
@@ -186,27 +163,24 @@ pub(super) fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>>
 /// A row a scene, ray set, rule, level, tracer and aim.
 pub(super) fn operating(shown: &[Shown<'_>]) -> Table {
     let sheet = Sheet::<Operating<'_>>::new()
-        .column("scene", |row| row.field.scene.scene.name.clone())
-        .column("rays", |row| row.field.rays.to_owned())
-        .column("rule", |row| row.by.name())
-        .column("at_least_share", |row| row.level)
-        .column("of", |row| row.of.to_owned())
-        .column("aim", |row| row.aim.name())
-        .column("tracer", |row| row.found.point.tracer.clone())
-        .column("preset", |row| row.found.point.preset.clone())
+        .csv_column("scene", |row| row.field.scene.scene.name.clone())
+        .csv_column("rays", |row| row.field.rays.to_owned())
+        .csv_column("rule", |row| row.by.name())
+        .csv_column("at_least_share", |row| row.level)
+        .csv_column("of", |row| row.of.to_owned())
+        .csv_column("aim", |row| row.aim.name())
+        .csv_column("tracer", |row| row.found.point.tracer.clone())
+        .csv_column("preset", |row| row.found.point.preset.clone())
         .json("values_json", |row| &row.found.point.values)
-        .column("trace_ms", |row| row.value(Cost::Trace))
-        .column("build_ms", |row| row.value(Cost::Build))
-        .column("bytes", |row| row.value(Cost::Bytes))
-        .metric(COUNT, |row: &Operating<'_>| Some(metrics::trials(row.found.trace).into()))
-        .column("agreement_share", |row| Wrong::of(row.found.trace, row.by).map(|wrong| 1.0 - wrong.share.value))
-        .column("checked_from", |row| row.there().map(|there| there.viewpoint.name.clone()))
-        .column("checked_seed", |row| row.there().map(|there| there.seed))
-        .column("checked", Operating::checked)
-        .ends(
-            ["checked_agreement_share", "checked_agreement_low_share", "checked_agreement_high_share"],
-            Operating::right_there,
-        );
+        .csv_column("trace_ms", |row| row.value(Cost::Trace))
+        .csv_column("build_ms", |row| row.value(Cost::Build))
+        .csv_column("bytes", |row| row.value(Cost::Bytes))
+        .csv_column(COUNT.name, |row| metrics::trials(row.found.trace))
+        .csv_column("agreement_share", |row| Wrong::of(row.found.trace, row.by).map(|wrong| 1.0 - wrong.share.value))
+        .csv_column("checked_from", |row| row.there().map(|there| there.viewpoint.name.clone()))
+        .csv_column("checked_seed", |row| row.there().map(|there| there.seed))
+        .csv_column("held_out", Operating::held_out)
+        .csv_column("checked_agreement_share", Operating::right_there);
     sheet.table(&operating_points(shown))
 }
 
@@ -215,42 +189,33 @@ struct Pair<'a> {
     field: &'a Field<'a>,
     class: &'a Class<'a>,
     both: [&'a ClassCost<'a>; 2],
-    found: Overtaking,
+    found: BreakEven,
 }
 
 impl Pair<'_> {
     /// The cheaper one: always, or below a number of rays.
     fn cheaper(&self) -> Option<String> {
         let who = match self.found {
-            Overtaking::Always(who) => who,
-            Overtaking::At { below, .. } => below,
-            Overtaking::Undecided(_) => return None,
+            BreakEven::Always(who) => who,
+            BreakEven::At { below, .. } => below,
+            BreakEven::Undecided(_) => return None,
         };
         Some(self.both[who.min(1)].entry.point.label())
     }
 
     fn verdict(&self) -> &'static str {
         match self.found {
-            Overtaking::Always(_) => "always",
-            Overtaking::At { .. } => "overtakes",
-            Overtaking::Undecided(_) => "undecided",
+            BreakEven::Always(_) => "always",
+            BreakEven::At { .. } => "overtakes",
+            BreakEven::Undecided(_) => "undecided",
         }
     }
 
-    /// From how many rays on, and whether so many were measured.
-    fn from(&self) -> Option<([f64; 3], bool)> {
+    /// From how many rays on, with its interval, and whether so many were measured.
+    fn at(&self) -> Option<(f64, [f64; 2], bool)> {
         match self.found {
-            Overtaking::At { rays, interval: [low, high], beyond_measured, .. } => {
-                Some(([rays, low, high], beyond_measured))
-            }
-            Overtaking::Always(_) | Overtaking::Undecided(_) => None,
-        }
-    }
-
-    fn why(&self) -> Option<String> {
-        match &self.found {
-            Overtaking::Undecided(why) => Some(why.clone()),
-            Overtaking::Always(_) | Overtaking::At { .. } => None,
+            BreakEven::At { rays, interval, beyond_measured, .. } => Some((rays, interval, beyond_measured)),
+            BreakEven::Always(_) | BreakEven::Undecided(_) => None,
         }
     }
 }
@@ -260,16 +225,16 @@ fn one_of<'a>(place: usize, name: &str) -> Columns<'a, Pair<'a>> {
     let cost = move |row: &Pair<'a>| row.both[place];
     let traces = move |row: &Pair<'a>| cost(row).cost.traces.parts();
     vec![
-        Column::new(name, move |row| cost(row).entry.point.label()),
-        Column::new(format!("{name}_once_ms"), move |row| cost(row).cost.once.value),
-        Column::new(format!("{name}_trace_ms"), move |row| traces(row)[0].value),
-        Column::new(format!("{name}_per_ray_ms"), move |row| traces(row)[1].value),
-        Column::new(format!("{name}_refitted"), move |row| cost(row).refitted),
+        Column::csv(name, move |row| cost(row).entry.point.label()),
+        Column::csv(format!("{name}_once_ms"), move |row| cost(row).cost.once.value),
+        Column::csv(format!("{name}_trace_ms"), move |row| traces(row)[0].value),
+        Column::csv(format!("{name}_per_ray_ms"), move |row| traces(row)[1].value),
+        Column::csv(format!("{name}_refitted"), move |row| cost(row).refitted),
     ]
 }
 
 /// A row a scene, ray set, rule, level, motion and pair of points of different tracers.
-pub(super) fn break_even(shown: &[Shown<'_>]) -> Table {
+pub(super) fn break_even_counts(shown: &[Shown<'_>]) -> Table {
     let mut all: Vec<(&Field<'_>, Class<'_>)> = Vec::new();
     for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
         for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
@@ -281,26 +246,23 @@ pub(super) fn break_even(shown: &[Shown<'_>]) -> Table {
         for (place, one) in class.costs.iter().enumerate() {
             let others = class.costs[place + 1..].iter();
             rows.extend(others.filter(|other| other.entry.point.tracer != one.entry.point.tracer).map(|other| {
-                let doubt = one.doubt.clone().or_else(|| other.doubt.clone());
-                Pair { field, class, both: [one, other], found: overtaking(&one.cost, &other.cost, doubt) }
+                let caveat = one.caveat.clone().or_else(|| other.caveat.clone());
+                Pair { field, class, both: [one, other], found: break_even(&one.cost, &other.cost, caveat) }
             }));
         }
     }
-    let rays = |place: usize| move |row: &Pair<'_>| row.from().map(|(rays, _)| rays[place].to_string());
     let sheet = Sheet::<Pair<'_>>::new()
-        .column("scene", |row| row.field.scene.scene.name.clone())
-        .column("rays", |row| row.field.rays.to_owned())
-        .column("rule", |row| row.class.by.name())
-        .column("at_least_share", |row| row.class.level)
-        .column("geometry", |row| row.class.motion.name())
+        .csv_column("scene", |row| row.field.scene.scene.name.clone())
+        .csv_column("rays", |row| row.field.rays.to_owned())
+        .csv_column("rule", |row| row.class.by.name())
+        .csv_column("at_least_share", |row| row.class.level)
+        .csv_column("geometry", |row| row.class.motion.name())
         .with(one_of(0, "one"))
         .with(one_of(1, "other"))
-        .column("verdict", Pair::verdict)
-        .column("cheaper_below", Pair::cheaper)
-        .column("rays_a_frame", rays(0))
-        .column("rays_a_frame_low", rays(1))
-        .column("rays_a_frame_high", rays(2))
-        .column("beyond_measured", |row| row.from().map(|(_, beyond_measured)| beyond_measured))
-        .column("why", Pair::why);
+        .csv_column("verdict", Pair::verdict)
+        .csv_column("cheaper_below", Pair::cheaper)
+        .csv_column("rays_a_frame", |row| row.at().map(|(rays, interval, _)| Cell::Measured(rays, Some(interval), 4)))
+        .csv_column("beyond_measured", |row| row.at().map(|(.., beyond_measured)| beyond_measured))
+        .csv_column("why", |row| if let BreakEven::Undecided(why) = &row.found { Some(why.clone()) } else { None });
     sheet.table(&rows)
 }

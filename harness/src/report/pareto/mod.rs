@@ -1,13 +1,13 @@
-//! Fronts: `pareto.md`, `pareto.csv`, `operating_points.csv`, `break_even.csv` and the charts.
+//! Fronts: `pareto.md`, `operating_points.csv`, `break_even.csv` and the charts.
 
 mod csv;
 pub(in crate::report) mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
-use super::group::stems;
-use super::{Report, ReportError, Tables, chart, format, metrics, traces};
-use crate::results::{FrontScene, ParetoRecord, Run};
+use super::group::{groups, stems};
+use super::{Report, ReportError, Tables, format, metrics, rows};
+use crate::results::{FrontScene, ParetoRecord, Record};
 use crate::studies::pareto::{Amount, Cost, Field, SceneFronts, scene_fronts};
 
 /// The page.
@@ -16,7 +16,7 @@ pub const PARETO_PAGE: &str = "pareto.md";
 /// What the names of its charts begin with.
 pub(in crate::report) const STEM: &str = "pareto_";
 
-/// A scene with the part of file names that tells it apart.
+/// A scene with the part of file names that distinguishes it.
 pub(in crate::report) struct Shown<'a> {
     pub stem: String,
     pub fronts: SceneFronts<'a>,
@@ -30,26 +30,25 @@ impl Shown<'_> {
 }
 
 /// What is made of fronts: page, tables and charts.
-pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
-    let Some(record) = &run.pareto else { return Ok(Report::default()) };
-    let shown = shown(run, record);
-    Ok(traces(run).and(Report {
-        pages: vec![(PARETO_PAGE.to_owned(), page::page(run, record, &shown))],
+pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
+    let Some(section) = &record.pareto else { return Ok(Report::default()) };
+    let shown = shown(record, section);
+    let (groups, fields) = (groups(record), csv::fields(section, &shown));
+    Ok(rows(record, &groups, csv::points(section), |(.., (.., trace))| csv::point(&fields, trace)).and(Report {
+        pages: vec![(PARETO_PAGE.to_owned(), page::page(record, section, &shown))],
         tables: vec![
-            ("pareto.csv".to_owned(), csv::points(run, record, &shown)),
             ("operating_points.csv".to_owned(), csv::operating(&shown)),
-            ("break_even.csv".to_owned(), csv::break_even(&shown)),
+            ("break_even.csv".to_owned(), csv::break_even_counts(&shown)),
         ],
-        charts: chart::pareto_charts(run, record, &shown),
         ..Report::default()
     }))
 }
 
 /// Every scene of a record.
-pub(in crate::report) fn shown<'a>(run: &'a Run, record: &'a ParetoRecord) -> Vec<Shown<'a>> {
+pub(in crate::report) fn shown<'a>(record: &'a Record, section: &'a ParetoRecord) -> Vec<Shown<'a>> {
     let told = |scene: &'a FrontScene| [&*scene.scene.name, &*scene.scene.sha256, &*scene.viewpoint.name];
-    let stems = stems(&record.scenes.iter().map(told).collect::<Vec<_>>());
-    stems.into_iter().zip(scene_fronts(run, record)).map(|(stem, fronts)| Shown { stem, fronts }).collect()
+    let stems = stems(&section.scenes.iter().map(told).collect::<Vec<_>>());
+    stems.into_iter().zip(scene_fronts(record, section)).map(|(stem, fronts)| Shown { stem, fronts }).collect()
 }
 
 /// A cost's name with its unit.

@@ -6,36 +6,37 @@ use itertools::Itertools as _;
 
 use super::{Shown, as_read, cost_name, csv};
 use crate::rays::shared_centres;
+use crate::report::chart::{self, Drawing};
 use crate::report::document::{Document, set_heading};
 use crate::report::format::{percent, percent_with_interval, significant, thousands};
 use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{format, metrics, summary};
-use crate::results::{LEAST_ROUNDS, ParetoRecord, Run};
+use crate::results::{MIN_ROUNDS, ParetoRecord, Record};
 use crate::studies::pareto::{
-    Aim, Amount, By, Check, Class, Cost, Entry, Field, LEVELS, Overtaking, Standing, Wrong, best, check, classes,
+    Aim, Amount, BreakEven, By, Check, Class, Cost, Entry, Field, FrontStatus, LEVELS, Wrong, best, check, classes,
     contested, farthest,
 };
 
 /// The share of rays through samples from which on a page warns.
-const MOST_SHARED_CENTRES: f64 = 0.01;
+const MAX_SHARED_CENTRES: f64 = 0.01;
 
 /// The whole page.
-pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Document {
-    let tracers: BTreeSet<&str> = record.points.iter().map(|point| point.tracer.as_str()).collect();
-    let head = summary::head(run, "Fronts of speed, build and bytes against error").words(format!(
+pub(in crate::report) fn page(record: &Record, section: &ParetoRecord, shown: &[Shown<'_>]) -> Document {
+    let tracers: BTreeSet<&str> = section.points.iter().map(|point| point.tracer.as_str()).collect();
+    let head = summary::head(record, "Fronts of speed, build and bytes against error").paragraph(format!(
         "{} points of {} tracers, at most {} each, published and improved together. All times are by the host's clock, of work on a \
          device from submission until done. A point is on a front if none costs less and is as often right, or costs as much and is right \
          more often; controls are part of none. Errors below what so many rays tell from none, three of them, count as that.",
-        record.points.len(),
+        section.points.len(),
         tracers.len(),
-        record.most_points
+        section.max_points
     ));
     let sections = shown.iter().map(|scene| {
         let front = scene.fronts.scene;
         let here =
-            format!("Points are chosen from viewpoint {} with seed {}", literal(&front.viewpoint.name), run.seed);
-        let checked = match (&front.checked, &front.not_checked) {
+            format!("Points are chosen from viewpoint {} with seed {}", literal(&front.viewpoint.name), record.seed);
+        let held_out = match (&front.held_out, &front.held_out_skipped) {
             (Some(there), _) => {
                 let (viewpoint, seed) = (literal(&there.viewpoint.name), there.seed);
                 format!("{here}, and told from {viewpoint} with seed {seed} (*there*).")
@@ -45,19 +46,22 @@ pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Doc
         };
         let fields = scene.fronts.fields.iter().map(|field| {
             let page = Document::default().rays(3, field.rays, set_heading(field.rays, field.query, field.count));
-            page.and(By::all(field.query).iter().map(|by| by_rule(run, record, scene, field, *by)))
+            page.and(By::all(field.query).iter().map(|by| by_rule(record, section, scene, field, *by)))
         });
-        let page = Document::default().scene(2, &front.scene, "").words(checked).words(through_samples(record, scene));
+        let page = Document::default()
+            .scene(2, &front.scene, "")
+            .paragraph(held_out)
+            .paragraph(through_samples(section, scene));
         page.and(in_short(scene)).and(fields)
     });
-    head.and(sections).and(summary::skipped(&run.skipped))
+    head.and(sections).and(summary::skipped(&record.skipped))
 }
 
 /// A warning where rays go through the very samples of some structures: `--size` may ask for that.
-fn through_samples(record: &ParetoRecord, scene: &Shown<'_>) -> String {
+fn through_samples(section: &ParetoRecord, scene: &Shown<'_>) -> String {
     let image = scene.fronts.scene.viewpoint.ray_image;
-    let is_shared = |frame: &[u32; 2]| shared_centres(image, *frame) > MOST_SHARED_CENTRES;
-    let frames: BTreeSet<[u32; 2]> = record.points.iter().map(|point| point.frame).filter(is_shared).collect();
+    let is_shared = |frame: &[u32; 2]| shared_centres(image, *frame) > MAX_SHARED_CENTRES;
+    let frames: BTreeSet<[u32; 2]> = section.points.iter().map(|point| point.frame).filter(is_shared).collect();
     if frames.is_empty() {
         return String::new();
     }
@@ -71,7 +75,7 @@ fn through_samples(record: &ParetoRecord, scene: &Shown<'_>) -> String {
     )
 }
 
-/// Who to take, by ray set and agreement: of any-hit sets by the balanced accuracy, of others by the rule that methods which sample can
+/// Which to choose, by ray set and agreement: of any-hit sets by the balanced accuracy, of others by the rule that methods which sample can
 /// meet.
 fn in_short(scene: &Shown<'_>) -> Document {
     type Asked<'a> = (&'a Field<'a>, By, f64);
@@ -84,12 +88,14 @@ fn in_short(scene: &Shown<'_>) -> Document {
         })
     };
     let sheet = Sheet::<Asked<'_>>::new()
-        .told("rays", |(field, ..)| field.rays)
-        .told("at least", |(field, by, level)| format!("{} by {}{}", asked(*level), by.name(), too_few(*level, field)))
+        .column("rays", |(field, ..)| field.rays)
+        .column("at least", |(field, by, level)| {
+            format!("{} by {}{}", asked(*level), by.name(), too_few(*level, field))
+        })
         .with(Aim::ALL.map(take).into());
     let fields = scene.fronts.fields.iter().filter_map(|field| Some((field, *By::all(field.query).last()?)));
     let rows: Vec<Asked<'_>> = fields.flat_map(|(field, by)| LEVELS.map(|level| (field, by, level))).collect();
-    Document::of("In short:").table(sheet.table(&rows)).words(checks(scene))
+    Document::of("In short:").table(sheet.table(&rows)).paragraph(checks(scene))
 }
 
 /// What became of all operating points elsewhere.
@@ -118,7 +124,7 @@ fn checks(scene: &Shown<'_>) -> String {
 
 /// A column of an aim, with what it makes least.
 pub(in crate::report) fn aimed<'a, R, C: Into<Cell>>(aim: Aim, cell: impl Fn(&R) -> C + 'a) -> Column<'a, R> {
-    Column::told(format!("{}: {}", aim.name(), cost_name(aim.cost())), cell)
+    Column::new(format!("{}: {}", aim.name(), cost_name(aim.cost())), cell)
 }
 
 /// An operating point with what it costs.
@@ -128,18 +134,19 @@ pub(in crate::report) fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_
 }
 
 /// Everything by one rule: operating points, how far tracers get, who is on a front, who overtakes whom.
-fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
+fn by_rule(record: &Record, section: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     let name = by.name();
-    let [fronts, matched] = ["", "_matched"].map(|what| scene.chart(field.rays, &format!("{name}{what}")));
-    let mut page = Document::default().heading(4, format!("By {name}")).chart(fronts, "fronts");
-    if [Cost::Bytes, Cost::Build].iter().any(|cost| !field.budgets(*cost).is_empty()) {
-        page = page.chart(matched, "fronts at matched bytes and build time");
+    let stem = |what: &str| scene.chart(field.rays, &format!("{name}{what}"));
+    let fronts = Drawing::Fronts(chart::fronts(record, section, field, by));
+    let mut page = Document::default().heading(4, format!("By {name}")).chart(stem(""), "fronts", fronts);
+    if let Some(matched) = chart::matched_fronts(record, section, field, by) {
+        page = page.chart(stem("_matched"), "fronts at matched bytes and build time", Drawing::Fronts(matched));
     }
     page.and([
         operating_points(scene, field, by),
         reach(field, by),
-        front_points(run, record, field, by),
-        break_even(scene, field, by),
+        front_points(record, section, field, by),
+        break_even(record, section, scene, field, by),
     ])
 }
 
@@ -150,8 +157,8 @@ pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, 
         best(field, entries, by, *level, aim).map(|found| operating_point(scene, field, by, *level, aim, &found))
     };
     let sheet = Sheet::<Of<'_>>::new()
-        .told("at least", |(level, ..)| asked(*level) + &too_few(*level, field))
-        .told("of", |(_, who, _)| (*who).to_owned())
+        .column("at least", |(level, ..)| asked(*level) + &too_few(*level, field))
+        .column("of", |(_, who, _)| (*who).to_owned())
         .with(Aim::ALL.map(|aim| aimed(aim, move |of: &Of<'_>| found(of, aim))).into());
     let mut rows: Vec<Of<'_>> = Vec::new();
     for level in LEVELS {
@@ -205,53 +212,61 @@ pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> Document {
     };
     let rows: Vec<Reached<'_>> = field.tracers().into_iter().filter_map(reached).collect();
     let sheet = Sheet::<Reached<'_>>::new()
-        .told("tracer", |(tracer, ..)| (*tracer).to_owned())
-        .told("farthest", |(_, found, wrong)| right(wrong, metrics::trials(found.trace)))
-        .told("by", |(_, found, _)| found.point.label())
-        .told(metrics::SPEED.heading(), |(_, found, _)| {
+        .column("tracer", |(tracer, ..)| (*tracer).to_owned())
+        .column("farthest", |(_, found, wrong)| right(wrong, metrics::trials(found.trace)))
+        .column("by", |(_, found, _)| found.point.label())
+        .column(metrics::SPEED.heading(), |(_, found, _)| {
             field.cost(found, Cost::Trace).map(|cost| as_read(field, Cost::Trace, cost).value)
         });
     Document::of("How far each tracer gets:").table(sheet.table(&rows))
 }
 
 /// The points that are on a front of all tracers, or within noise of one.
-pub(in crate::report) fn front_points<'a>(run: &Run, record: &ParetoRecord, field: &Field<'a>, by: By) -> Document {
+pub(in crate::report) fn front_points<'a>(
+    record: &Record,
+    section: &ParetoRecord,
+    field: &Field<'a>,
+    by: By,
+) -> Document {
     type OnFront<'a> = (Entry<'a>, Wrong, Vec<&'static str>);
-    let costs = Cost::all(&record.rays_per_pixel);
-    let standings: Vec<_> = costs.iter().map(|cost| field.standings(&field.entries, *cost, by)).collect();
+    let costs = Cost::all(&section.rays_per_pixel);
+    let front_statuses: Vec<_> = costs.iter().map(|cost| field.front_statuses(&field.entries, *cost, by)).collect();
     let of_entry = |entry: &Entry<'_>| {
-        let mark = |of: &Vec<(Entry<'_>, _, Standing)>| {
+        let mark = |of: &Vec<(Entry<'_>, _, FrontStatus)>| {
             let found = of.iter().find(|(other, ..)| other.index == entry.index);
-            match found.map(|(_, _, standing)| *standing) {
-                Some(Standing::OnFront) => "● ",
-                Some(Standing::WithinNoise) => "○ ",
+            match found.map(|(_, _, front_status)| *front_status) {
+                Some(FrontStatus::OnFront) => "● ",
+                Some(FrontStatus::WithinNoise) => "○ ",
                 _ => "",
             }
         };
-        standings.iter().map(mark).collect::<Vec<_>>()
+        front_statuses.iter().map(mark).collect::<Vec<_>>()
     };
     let with_marks = |entry: &Entry<'a>| Some((*entry, Wrong::of(entry.trace, by)?, of_entry(entry)));
     let mut rows: Vec<OnFront<'_>> = field.entries.iter().filter_map(with_marks).collect();
     rows.retain(|(.., marks)| marks.iter().any(|mark| !mark.is_empty()));
     let of_cost = |(place, cost): (usize, &Cost)| {
         let cost = *cost;
-        Column::told(cost_name(cost), move |(entry, _, marks): &OnFront<'_>| {
-            format!("{}{}", marks[place], cost_cell(field, entry, cost).told())
+        Column::new(cost_name(cost), move |(entry, _, marks): &OnFront<'_>| {
+            format!("{}{}", marks[place], cost_cell(field, entry, cost).describe())
         })
     };
     let sheet = Sheet::<OnFront<'_>>::new()
-        .told("point", |(entry, ..)| entry.point.label())
-        .told("wrong ↓", |(entry, wrong, _)| {
+        .column("point", |(entry, ..)| entry.point.label())
+        .column("wrong ↓", |(entry, wrong, _)| {
             let bound = if wrong.at_bound() { " (below what is told from none)" } else { "" };
             let share = Cell::Share(wrong.share.value, Some(wrong.share.interval), metrics::trials(entry.trace));
-            format!("{}{bound}", share.told())
+            format!("{}{bound}", share.describe())
         })
         .with(costs.iter().enumerate().map(of_cost).collect());
-    let windows =
-        if run.runs.iter().any(|row| row.window > 0) { " Not all points were timed in one window." } else { "" };
-    let few = run.races.iter().any(|race| race.orders.len() < LEAST_ROUNDS as usize);
+    let windows = if record.rows.iter().any(|row| row.resident_batch > 0) {
+        " Not all points were timed in one resident batch."
+    } else {
+        ""
+    };
+    let few = record.interleaved_sets.iter().any(|interleaved_set| interleaved_set.orders.len() < MIN_ROUNDS as usize);
     let few = if few {
-        format!(" Times of fewer than {LEAST_ROUNDS} rounds tell no two points apart: they are within noise.")
+        format!(" Times of fewer than {MIN_ROUNDS} rounds tell no two points apart: they are within noise.")
     } else {
         String::new()
     };
@@ -267,33 +282,45 @@ fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> Cell {
 }
 
 /// Who is cheapest at how many rays a frame.
-pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
+pub(in crate::report) fn break_even(
+    record: &Record,
+    section: &ParetoRecord,
+    scene: &Shown<'_>,
+    field: &Field<'_>,
+    by: By,
+) -> Document {
     // A class, and a place among those who are cheapest there.
     type Cheapest<'a> = (&'a Class<'a>, usize);
     let classes: Vec<Class<'_>> = LEVELS.iter().flat_map(|level| classes(&scene.fronts, field, by, *level)).collect();
     let rows: Vec<Cheapest<'_>> =
         classes.iter().flat_map(|class| (0..class.stretches.len()).map(move |place| (class, place))).collect();
-    let overtaking = |(class, place): &Cheapest<'_>| {
+    let break_even = |(class, place): &Cheapest<'_>| {
         let (found, before) = (class.stretches[*place].overtakes.clone()?, class.stretches.get(place.checked_sub(1)?)?);
         Some((found, label(class, before.who)))
     };
     let sheet = Sheet::<Cheapest<'_>>::new()
-        .told("at least", |(class, _)| asked(class.level))
-        .told("geometry", |(class, _)| class.motion.name())
-        .told("rays a frame", |row| match overtaking(row) {
+        .column("at least", |(class, _)| asked(class.level))
+        .column("geometry", |(class, _)| class.motion.name())
+        .column("rays a frame", |row| match break_even(row) {
             Some((found, _)) => from_rays(&found),
             None => Some("few".to_owned()),
         })
-        .told("cheapest", |(class, place)| label(class, class.stretches[*place].who))
-        .told("overtakes", |row| overtaking(row).map(|(found, before)| overtaken(&found, before)));
+        .column("cheapest", |(class, place)| label(class, class.stretches[*place].who))
+        .column("overtakes", |row| break_even(row).map(|(found, before)| overtaken(&found, before)));
     let how = "Break-even, between points that are right as often: who is cheapest from how many rays a frame on (*static*: \
                     structures are kept; *refitted*: to moved vertices, built where a method cannot; *rebuilt*: in every frame)";
     if rows.is_empty() {
         return Document::of(format!("{how}: no point is right so often."));
     }
     let page = Document::of(format!("{how}:")).table(sheet.table(&rows));
-    let is_drawn = By::all(field.query).last() == Some(&by) && !contested(&scene.fronts, field, by).is_empty();
-    if is_drawn { page.chart(scene.chart(field.rays, "break_even"), "break-even") } else { page }
+    // By the last rule, by which charts show methods that sample.
+    let contested =
+        if By::all(field.query).last() == Some(&by) { contested(&scene.fronts, field, by) } else { Vec::new() };
+    if contested.is_empty() {
+        return page;
+    }
+    let drawing = Drawing::Panels(chart::break_even::chart(record, section, field, &contested));
+    page.chart(scene.chart(field.rays, "break_even"), "break-even", drawing)
 }
 
 fn label(class: &Class<'_>, who: usize) -> String {
@@ -301,20 +328,20 @@ fn label(class: &Class<'_>, who: usize) -> String {
 }
 
 /// From how many rays on.
-fn from_rays(found: &Overtaking) -> Option<String> {
+fn from_rays(found: &BreakEven) -> Option<String> {
     match found {
-        Overtaking::At { rays, interval: [low, high], beyond_measured, .. } => {
+        BreakEven::At { rays, interval: [low, high], beyond_measured, .. } => {
             let count = |rays: f64| thousands(rays.round().max(0.0) as u64);
             let beyond = if *beyond_measured { ", beyond what was measured" } else { "" };
             Some(format!("{} [{}, {}]{beyond}", count(*rays), count(*low), count(*high)))
         }
-        Overtaking::Always(_) | Overtaking::Undecided(_) => None,
+        BreakEven::Always(_) | BreakEven::Undecided(_) => None,
     }
 }
 
-fn overtaken(found: &Overtaking, before: String) -> String {
+fn overtaken(found: &BreakEven, before: String) -> String {
     match found {
-        Overtaking::Undecided(why) => format!("{before}: undecided, {why}"),
-        Overtaking::Always(_) | Overtaking::At { .. } => before,
+        BreakEven::Undecided(why) => format!("{before}: undecided, {why}"),
+        BreakEven::Always(_) | BreakEven::At { .. } => before,
     }
 }

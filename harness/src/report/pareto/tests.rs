@@ -6,9 +6,9 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use crate::report::chart::{check_png, check_svg};
-use crate::report::fixture::{self, FrontQuality, Quality, write_derived, write_run};
+use crate::report::fixture::{self, FrontQuality, Quality, configs, rows, write_derived, write_run};
 use crate::report::read_run;
-use crate::results::{Judgement, Run};
+use crate::results::{Judgement, Record};
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 
@@ -17,7 +17,7 @@ fn planted(name: &str, missed: f64, speed: f64, mib: u64, build: f64) -> FrontQu
     FrontQuality { name, quality, mib, build }
 }
 
-fn several() -> Run {
+fn several() -> Record {
     let points = [
         planted("exact", 0.0, 1.0, 40, 4.0),
         planted("exact:improved", 0.0, 2.0, 50, 5.0),
@@ -28,11 +28,9 @@ fn several() -> Run {
     fixture::fronts(&points, &SETS, 30.0)
 }
 
-fn rows(folder: &TempDir, name: &str) -> Vec<BTreeMap<String, String>> {
-    let mut reader = ::csv::Reader::from_path(folder.path().join(name)).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
+/// Rows that are points of fronts.
+fn points(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
+    configs(folder.path()).into_iter().filter(|row| !row["order"].is_empty()).collect()
 }
 
 /// Proves that a record of fronts has its page, tables and charts, that they are made again the same from what was written, and that
@@ -40,16 +38,15 @@ fn rows(folder: &TempDir, name: &str) -> Vec<BTreeMap<String, String>> {
 #[test]
 fn fronts_have_their_files() {
     let folder = TempDir::new().unwrap();
-    let run = several();
-    let written = write_run(&run, folder.path(), fixture::tables).unwrap();
+    let record = several();
+    let written = write_run(&record, folder.path(), fixture::tables).unwrap();
     let names: Vec<String> =
         written.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect();
     for wanted in [
         "pareto.md",
-        "pareto.csv",
         "operating_points.csv",
         "break_even.csv",
-        "traces.csv",
+        "rows.csv",
         "pareto_room_diffuse_footprint.svg",
         "pareto_room_diffuse_tight_matched.png",
         "pareto_room_diffuse_break_even.svg",
@@ -80,10 +77,10 @@ fn fronts_have_their_files() {
 #[test]
 fn levels_that_few_rays_cannot_tell_are_named() {
     let page_of = |count: u64| {
-        let mut run = several();
-        run.runs.iter_mut().flat_map(|row| &mut row.traces).for_each(|trace| trace.count = count);
+        let mut record = several();
+        record.rows.iter_mut().flat_map(|row| &mut row.traces).for_each(|trace| trace.count = count);
         let folder = TempDir::new().unwrap();
-        write_run(&run, folder.path(), fixture::tables).unwrap();
+        write_run(&record, folder.path(), fixture::tables).unwrap();
         std::fs::read_to_string(folder.path().join("pareto.md")).unwrap()
     };
     let page = page_of(29_999);
@@ -98,23 +95,23 @@ fn levels_that_few_rays_cannot_tell_are_named() {
 fn tables_tell_standings() {
     let folder = TempDir::new().unwrap();
     write_run(&several(), folder.path(), fixture::tables).unwrap();
-    let points = rows(&folder, "pareto.csv");
+    let points = points(&folder);
     let diffuse: Vec<_> = points.iter().filter(|row| row["rays"] == "diffuse").collect();
     assert_eq!((points.len(), diffuse.len()), (10, 5));
     let column = |name: &str| diffuse.iter().map(|row| row[name].as_str()).collect::<Vec<_>>();
-    assert_eq!(column("tracer"), ["exact", "exact", "rough", "rough", "fair"]);
+    assert_eq!(column("tracer_name"), ["exact", "exact", "rough", "rough", "fair"]);
     assert_eq!(column("front_hit_miss_speed"), ["behind", "front", "front", "behind", "front"]);
     assert_eq!(column("own_front_hit_miss_speed"), ["behind", "front", "front", "behind", "front"]);
     assert_eq!(column("front_hit_miss_bytes"), ["front", "behind", "front", "behind", "front"]);
     assert!(column("front_balanced_accuracy_speed").iter().all(|cell| cell.is_empty()));
-    let operating = rows(&folder, "operating_points.csv");
+    let operating = rows(folder.path(), "operating_points.csv");
     let of = |who: &str, level: &str| {
         let wanted = |row: &&BTreeMap<String, String>| {
             row["rays"] == "diffuse"
                 && row["rule"] == "hit_miss"
                 && (row["of"] == who && row["at_least_share"] == level && row["aim"] == "fastest")
         };
-        operating.iter().find(wanted).map(|row| (row["tracer"].as_str(), row["checked"].as_str()))
+        operating.iter().find(wanted).map(|row| (row["tracer"].as_str(), row["held_out"].as_str()))
     };
     assert_eq!(of("all", "0.99"), Some(("fair", "misses")));
     assert_eq!(of("exact", "0.9999"), Some(("exact", "holds")));
@@ -140,55 +137,55 @@ fn tables_tell_standings() {
 /// through the samples of structures, and nowhere else.
 #[test]
 fn rays_that_tell_nothing_are_told() {
-    let page_of = |run: &Run| {
+    let page_of = |record: &Record| {
         let folder = TempDir::new().unwrap();
-        write_run(run, folder.path(), fixture::tables).unwrap();
-        (std::fs::read_to_string(folder.path().join("pareto.md")).unwrap(), rows(&folder, "pareto.csv").len())
+        write_run(record, folder.path(), fixture::tables).unwrap();
+        (std::fs::read_to_string(folder.path().join("pareto.md")).unwrap(), points(&folder).len())
     };
     // The frames of the planted points are the ray image.
-    let run = several();
-    let (page, points) = page_of(&run);
-    let [width, height] = run.pareto.as_ref().unwrap().scenes[0].viewpoint.ray_image;
+    let record = several();
+    let (page, points) = page_of(&record);
+    let [width, height] = record.pareto.as_ref().unwrap().scenes[0].viewpoint.ray_image;
     assert!(page.contains("### diffuse") && page.contains("### ao"), "{page}");
     assert!(page.contains(&format!("Rays from {width}x{height} pixels go through the samples")), "{page}");
-    let mut apart = run.clone();
-    apart.runs.iter_mut().for_each(|row| row.viewpoint.frame = [510, 254]);
+    let mut apart = record.clone();
+    apart.rows.iter_mut().for_each(|row| row.viewpoint.frame = [510, 254]);
     apart.pareto.as_mut().unwrap().points.iter_mut().for_each(|point| point.frame = [510, 254]);
     let (page, others) = page_of(&apart);
     assert!(!page.contains("go through the samples") && others == points, "{page}");
-    let mut run = several();
-    for trace in run.runs.iter_mut().flat_map(|row| &mut row.traces).filter(|trace| trace.rays == "diffuse") {
+    let mut record = several();
+    for trace in record.rows.iter_mut().flat_map(|row| &mut row.traces).filter(|trace| trace.rays == "diffuse") {
         let Judgement::Closest(closest) = &mut trace.judgement else { panic!("closest") };
         let classes = &mut closest.classes.tight;
         classes.true_miss += classes.true_hit + classes.false_miss + classes.early + classes.late;
         (classes.true_hit, classes.false_miss, classes.early, classes.late) = (0, 0, 0, 0);
     }
-    let (page, fewer) = page_of(&run);
+    let (page, fewer) = page_of(&record);
     assert!(!page.contains("### diffuse") && page.contains("### ao") && 2 * fewer == points, "{page}");
 }
 
 /// Without a check elsewhere it is said so; points that could not be timed or judged are in no front, and pages are drawn all the same.
 #[test]
 fn what_is_missing_is_said() {
-    let mut run = several();
-    let record = run.pareto.as_mut().unwrap();
-    record.scenes[0].checked = None;
-    record.scenes[0].not_checked = Some("nothing is seen from anywhere".to_owned());
-    record.scenes[0].ray_images.clear();
-    for row in &mut run.runs {
-        row.build.times.void = Some("a clock that lies".to_owned());
+    let mut record = several();
+    let section = record.pareto.as_mut().unwrap();
+    section.scenes[0].held_out = None;
+    section.scenes[0].held_out_skipped = Some("nothing is seen from anywhere".to_owned());
+    section.scenes[0].ray_images.clear();
+    for row in &mut record.rows {
+        row.build.times.invalid = Some("a clock that lies".to_owned());
     }
     let folder = TempDir::new().unwrap();
-    write_run(&run, folder.path(), fixture::tables).unwrap();
+    write_run(&record, folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("pareto.md")).unwrap();
     assert!(page.contains("not checked elsewhere**: nothing is seen") && page.contains("there not checked"));
-    let points = rows(&folder, "pareto.csv");
-    assert!(points.iter().all(|row| row["build_ms"].is_empty() && row["front_tight_build"].is_empty()));
-    assert!(points.iter().any(|row| row["front_tight_speed"] == "front"));
+    let told = points(&folder);
+    assert!(told.iter().all(|row| row["build_ms"].is_empty() && row["front_tight_build"].is_empty()));
+    assert!(told.iter().any(|row| row["front_tight_speed"] == "front"));
     // Without a second number of rays there is no line.
-    assert_eq!(rows(&folder, "break_even.csv").len(), 0);
+    assert_eq!(rows(folder.path(), "break_even.csv").len(), 0);
     // A record in which nothing was measured.
-    run.runs.clear();
-    write_run(&run, folder.path(), fixture::tables).unwrap();
-    assert_eq!(rows(&folder, "pareto.csv").len(), 0);
+    record.rows.clear();
+    write_run(&record, folder.path(), fixture::tables).unwrap();
+    assert_eq!(points(&folder).len(), 0);
 }

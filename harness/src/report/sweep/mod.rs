@@ -1,17 +1,16 @@
-//! A sweep: what its points measured, laid out along its axes. Files `sweep.md` and `sweep.csv`; the charts show the same.
+//! A sweep: what its points measured, laid out along its axes. File `sweep.md`; the charts show the same.
 
-mod csv;
 mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
 use std::borrow::Cow;
 
-use super::Report;
-use super::chart::{self, Drawing};
 use super::group::{Group, RaySet};
+use super::sheet::Sheet;
+use super::{Report, rows};
 use crate::results::{AxisRecord, PointRecord, SweepRecord};
-use crate::results::{Run, TraceRecord, TracerRun};
+use crate::results::{Record, Row, TraceRecord};
 use crate::studies::sweep::RESOLUTION;
 
 /// The page of a sweep.
@@ -52,11 +51,11 @@ pub(in crate::report) struct Cell<'a> {
     /// Its record.
     pub point: &'a PointRecord,
     /// What was measured.
-    pub measured: Option<(&'a TracerRun, &'a TraceRecord)>,
+    pub measured: Option<(&'a Row, &'a TraceRecord)>,
 }
 
 impl View<'_> {
-    /// The part of file names that tells views apart.
+    /// The part of file names that distinguishes views.
     pub(in crate::report) fn stem(&self) -> String {
         let name = |text: &str| super::format::file_stem(text);
         format!("{STEM}{}_{}_{}", self.group.stem, name(&self.axis.name), name(&self.set.title))
@@ -99,31 +98,33 @@ fn cells<'a>(
     let others: Vec<(&str, &str)> = other.into_iter().collect();
     let cell = |value: &'a String| {
         let point = sweep.point(&axis.name, value, &others)?;
-        let mut runs = group.contenders.iter().filter(|run| run.tracer.name == sweep.tracer && point.is_of(run));
-        let measured = runs.find_map(|run| Some((*run, run.traces.iter().find(|trace| set.holds(trace))?)));
+        let mut rows = group.configs.iter().filter(|row| row.tracer.name == sweep.tracer && point.is_of(row));
+        let measured = rows.find_map(|row| Some((*row, row.traces.iter().find(|trace| set.holds(trace))?)));
         Some(Cell { value, point, measured })
     };
     axis.values.iter().filter_map(cell).collect()
 }
 
-/// What is made of a sweep beside what is made of its run: page, table and charts.
-pub(super) fn report(run: &Run, sweep: &SweepRecord, groups: &[Group<'_>]) -> Report {
+/// What is made of a sweep beside what is made of its run: page, charts, and what each row has on the axes.
+pub(super) fn report(record: &Record, sweep: &SweepRecord, groups: &[Group<'_>]) -> Report {
+    let own = Sheet::<&PointRecord>::new().json("values_json", |point| &point.values);
+    let point = |row: &Row| sweep.points.iter().find(|point| row.tracer.name == sweep.tracer && point.is_of(row));
     let views = views(sweep, groups);
     Report {
-        pages: vec![(SWEEP_PAGE.to_owned(), page::page(run, sweep, &views))],
-        tables: vec![("sweep.csv".to_owned(), csv::table(run, sweep, &views))],
-        charts: views.iter().map(|view| (view.stem(), Drawing::Panels(chart::sweep::chart(run, view)))).collect(),
-        ..Report::default()
+        pages: vec![(SWEEP_PAGE.to_owned(), page::page(record, sweep, &views))],
+        ..rows(record, groups, own, |(.., (_, row, _))| point(row))
     }
 }
 
 /// The run as other tables and charts can show it: with the resolution in the labels of what was measured at another one
 /// than the first point, and with controls once that ran again beside points tried alone and scored the same.
-pub(super) fn labelled(run: &Run) -> Cow<'_, Run> {
-    let Some(first) = run.sweep.as_ref().and_then(|sweep| sweep.points.first()) else { return Cow::Borrowed(run) };
-    let mut run = run.clone();
-    let points = run.sweep.as_ref().map(|sweep| sweep.points.clone()).unwrap_or_default();
-    for one in &mut run.runs {
+pub(super) fn labelled(record: &Record) -> Cow<'_, Record> {
+    let Some(first) = record.sweep.as_ref().and_then(|sweep| sweep.points.first()) else {
+        return Cow::Borrowed(record);
+    };
+    let mut record = record.clone();
+    let points = record.sweep.as_ref().map(|sweep| sweep.points.clone()).unwrap_or_default();
+    for one in &mut record.rows {
         let Some(point) = points.iter().find(|point| point.is_of(one)) else { continue };
         if let Some(value) =
             point.values.get(RESOLUTION).filter(|_| (point.frame, point.face) != (first.frame, first.face))
@@ -132,19 +133,19 @@ pub(super) fn labelled(run: &Run) -> Cow<'_, Run> {
             one.tracer.changed.push(RESOLUTION.to_owned());
         }
     }
-    let controls = std::mem::take(&mut run.controls);
+    let controls = std::mem::take(&mut record.controls);
     for control in controls {
-        if !run.controls.iter().any(|other| scored_the_same(other, &control)) {
-            run.controls.push(control);
+        if !record.controls.iter().any(|other| scored_the_same(other, &control)) {
+            record.controls.push(control);
         }
     }
-    Cow::Owned(run)
+    Cow::Owned(record)
 }
 
-fn scored_the_same(one: &TracerRun, other: &TracerRun) -> bool {
-    let scores = |run: &TracerRun| {
+fn scored_the_same(one: &Row, other: &Row) -> bool {
+    let scores = |row: &Row| {
         let score = |trace: &TraceRecord| (trace.rays_sha256.clone(), trace.query, trace.judgement.clone());
-        run.traces.iter().map(score).collect::<Vec<_>>()
+        row.traces.iter().map(score).collect::<Vec<_>>()
     };
     one.scene == other.scene && one.tracer == other.tracer && scores(one) == scores(other)
 }

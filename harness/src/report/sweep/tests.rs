@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
-use crate::report::fixture::{self, Quality, write_derived, write_run};
+use crate::report::fixture::{self, Quality, configs, write_derived, write_run};
 use crate::report::format::percent_with_interval;
 use crate::report::read_run;
 use crate::results::{AxisRecord, PointRecord, SweepRecord};
-use crate::results::{Judgement, Run};
+use crate::results::{Judgement, Record};
 use crate::statistics::wilson;
 use crate::studies::sweep::RESOLUTION;
 
@@ -21,7 +21,7 @@ const RESOLUTIONS: Swept<'_> = (RESOLUTION, "1", &["1/2", "1"]);
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 
 /// A sweep of a made-up tracer, each point with bytes, times and errors of its own.
-pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], grid: bool) -> Run {
+pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], grid: bool) -> Record {
     let own: BTreeMap<String, String> =
         axes.iter().map(|(name, own, _)| ((*name).to_owned(), (*own).to_owned())).collect();
     let mut wanted = vec![own.clone()];
@@ -44,10 +44,10 @@ pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], g
         clock: ClockKind::DeviceTimestamps,
     };
     let named: Vec<_> = names.iter().enumerate().map(|(index, name)| (name.as_str(), quality(index))).collect();
-    let mut run = fixture::run(&named, sets);
-    run.skipped.clear();
+    let mut record = fixture::run(&named, sets);
+    record.skipped.clear();
     let mut points = Vec::new();
-    for (index, (values, one)) in wanted.into_iter().zip(&mut run.runs).enumerate() {
+    for (index, (values, one)) in wanted.into_iter().zip(&mut record.rows).enumerate() {
         for (name, value) in values.iter().filter(|(name, _)| *name != RESOLUTION) {
             one.tracer.parameters.insert(name.clone(), serde_json::Value::from(value.clone()));
             if *value != own[name] {
@@ -75,31 +75,24 @@ pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], g
         values: values.iter().map(|value| (*value).to_owned()).collect(),
     };
     let axes = axes.iter().map(axis).collect();
-    run.sweep = Some(SweepRecord { tracer: "dirt".to_owned(), grid, axes, points });
-    run
-}
-
-fn rows(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
-    let mut reader = ::csv::Reader::from_path(folder.path().join("sweep.csv")).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
+    record.sweep = Some(SweepRecord { tracer: "dirt".to_owned(), grid, axes, points });
+    record
 }
 
 /// Proves that every row has the figures of its own point: bytes that only that point has; that the own value stands on
-/// every axis with the same figures; that a run which is no point of the sweep is shown nowhere; that what is skipped has
-/// its reason and no figures.
+/// every axis with the same figures; that a run which is no point of the sweep has no values, and is not on its page; that what is skipped
+/// is said there.
 #[test]
 fn rows_are_those_of_their_points() {
-    let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
-    let mut other = run.runs[0].clone();
+    let mut record = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
+    let mut other = record.rows[0].clone();
     other.memory.structure_bytes = 77;
     other.memory.structure[0].allocated_bytes = 77;
     other.tracer.parameters.insert("stride".to_owned(), 2.into());
-    run.runs.insert(0, other);
-    let gone = run.runs.iter().position(|one| one.tracer.parameters["buckets"] == "40").unwrap();
-    let gone = run.runs.remove(gone);
-    let points = &mut run.sweep.as_mut().unwrap().points;
+    record.rows.insert(0, other);
+    let gone = record.rows.iter().position(|one| one.tracer.parameters["buckets"] == "40").unwrap();
+    let gone = record.rows.remove(gone);
+    let points = &mut record.sweep.as_mut().unwrap().points;
     points
         .iter_mut()
         .find(|point| point.is_of(&gone))
@@ -107,29 +100,24 @@ fn rows_are_those_of_their_points() {
         .skipped
         .insert("room".to_owned(), "too large".to_owned());
     let folder = TempDir::new().unwrap();
-    write_run(&run, folder.path(), fixture::tables).unwrap();
-    let rows = rows(&folder);
+    write_run(&record, folder.path(), fixture::tables).unwrap();
+    let rows = configs(folder.path());
     let found: Vec<_> = rows
         .iter()
         .filter(|row| row["rays"] == "diffuse")
-        .map(|row| {
-            let cell = |name: &str| row[name].as_str();
-            (cell("parameter"), cell("value"), cell("is_own"), cell("structure_bytes"), cell("skipped"))
-        })
+        .map(|row| (row["values_json"].as_str(), row["structure_bytes"].as_str()))
         .collect();
     let [first, second, fourth] = [1, 2, 4].map(|mib: u64| (mib << 20).to_string());
     assert_eq!(
         found,
         [
-            ("buckets", "1", "false", second.as_str(), ""),
-            ("buckets", "24", "true", &first, ""),
-            ("buckets", "40", "false", "", "too large"),
-            ("resolution", "1/2", "false", &fourth, ""),
-            ("resolution", "1", "true", &first, ""),
+            ("", "77"),
+            (r#"{"buckets":"24","resolution":"1"}"#, &first),
+            (r#"{"buckets":"1","resolution":"1"}"#, &second),
+            (r#"{"buckets":"24","resolution":"1/2"}"#, &fourth),
         ]
     );
-    assert!(rows.iter().filter(|row| row["rays"] == "ao").count() == 5);
-    assert!(rows.iter().all(|row| row["mrays_per_s"].is_empty() != row["skipped"].is_empty()));
+    assert!(rows.iter().filter(|row| row["rays"] == "ao").count() == 4);
     let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
     assert!(page.contains("| 40 | skipped, see below |") && page.contains("| 24 * | 1.000 |"), "{page}");
     assert!(!page.contains(&crate::report::format::mib(77)));
@@ -139,12 +127,12 @@ fn rows_are_those_of_their_points() {
 /// once unless it scored differently.
 #[test]
 fn files_can_be_made_again() {
-    let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
-    run.controls = [run.controls.clone(), run.controls.clone()].concat();
+    let mut record = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
+    record.controls = [record.controls.clone(), record.controls.clone()].concat();
     let (folder, elsewhere) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-    write_run(&run, folder.path(), fixture::tables).unwrap();
+    write_run(&record, folder.path(), fixture::tables).unwrap();
     let again = read_run(folder.path()).unwrap();
-    assert_eq!(again, run);
+    assert_eq!(again, record);
     let paths = write_derived(&again, elsewhere.path(), fixture::tables).unwrap();
     // Two axes, two ray sets, two formats.
     assert_eq!(paths.iter().filter(|path| path.to_string_lossy().contains("sweep_room_")).count(), 8);
@@ -152,24 +140,24 @@ fn files_can_be_made_again() {
         let name = path.file_name().unwrap();
         assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
     }
-    let summary = |run: &Run| {
-        write_derived(run, elsewhere.path(), fixture::tables).unwrap();
+    let summary = |record: &Record| {
+        write_derived(record, elsewhere.path(), fixture::tables).unwrap();
         std::fs::read_to_string(elsewhere.path().join("summary.md")).unwrap()
     };
-    let text = summary(&run);
+    let text = summary(&record);
     assert!(text.contains("| dirt resolution=1/2 |") && text.contains("| dirt buckets=40 |"));
     // Controls stand at the first resolution and count at every one.
     assert!(text.contains("Controls: all score what they must"), "{text}");
     let oracles = |text: &str| text.matches("oracle (control)").count();
     let once = oracles(&text);
-    let second = run.controls.len() / 2;
-    if let Judgement::Closest(judgement) = &mut run.controls[second].traces[0].judgement {
-        judgement.ties += 1;
+    let second = record.controls.len() / 2;
+    if let Judgement::Closest(judgement) = &mut record.controls[second].traces[0].judgement {
+        judgement.ambiguous_rays += 1;
     }
-    assert_eq!(oracles(&summary(&run)), 2 * once);
+    assert_eq!(oracles(&summary(&record)), 2 * once);
     // Without a sweep nothing of one is left.
-    run.sweep = None;
-    let paths = write_derived(&run, elsewhere.path(), fixture::tables).unwrap();
+    record.sweep = None;
+    let paths = write_derived(&record, elsewhere.path(), fixture::tables).unwrap();
     assert!(paths.iter().all(|path| !path.to_string_lossy().contains("sweep")));
     assert!(!elsewhere.path().join("sweep_room_buckets_diffuse.svg").exists());
 }
@@ -178,44 +166,45 @@ fn files_can_be_made_again() {
 /// so that a reader sees whether it changes along the axis.
 #[test]
 fn agreements_have_their_intervals() {
-    let run = sweep_run(&[RESOLUTIONS], &SETS[..1], false);
+    let record = sweep_run(&[RESOLUTIONS], &SETS[..1], false);
     let folder = TempDir::new().unwrap();
-    write_run(&run, folder.path(), fixture::tables).unwrap();
+    write_run(&record, folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
-    let rows = rows(&folder);
+    let rows = configs(folder.path());
     assert_eq!(rows.len(), 2);
     for row in &rows {
         for rule in ["hit_miss", "tight", "footprint"] {
             let number = |name: String| row[&name].parse::<f64>().unwrap();
             let share = number(format!("agreement_{rule}_share"));
-            let trials = number("count_rays".to_owned()) - number("ties_rays".to_owned());
+            let trials = number("count_rays".to_owned()) - number("ambiguous_rays".to_owned());
             let expected = wilson((share * trials).round() as u64, trials as u64).unwrap();
-            let ends = ["low", "high"].map(|end| number(format!("agreement_{rule}_{end}_share")));
+            let ends = ["low", "high"].map(|end| number(format!("agreement_{rule}_share_{end}")));
             assert_eq!(ends, expected, "{rule}");
             let text = percent_with_interval(share, Some(expected), trials as u64);
-            let line = format!("| {}", row["value"]);
+            let values: BTreeMap<String, String> = serde_json::from_str(&row["values_json"]).unwrap();
+            let line = format!("| {}", values[RESOLUTION]);
             assert!(page.lines().any(|each| each.starts_with(&line) && each.contains(&text)), "{text}: {page}");
         }
     }
-    let tight = |row: usize| rows[row]["agreement_tight_low_share"].clone();
+    let tight = |row: usize| rows[row]["agreement_tight_share_low"].clone();
     assert!(tight(0) != tight(1), "the points differ");
 }
 
-/// Proves that of rays that are all ties no speed is told.
+/// Proves that of rays that are all ambiguous rays no speed is told.
 #[test]
 fn no_speed_without_accuracy() {
-    let mut run = sweep_run(&[BUCKETS], &SETS[..1], false);
-    let page = |run: &Run| {
-        let groups = crate::report::group::groups(run);
-        let sweep = run.sweep.as_ref().unwrap();
-        super::page::page(run, sweep, &super::views(sweep, &groups)).markdown()
+    let mut record = sweep_run(&[BUCKETS], &SETS[..1], false);
+    let page = |record: &Record| {
+        let groups = crate::report::group::groups(record);
+        let sweep = record.sweep.as_ref().unwrap();
+        super::page::page(record, sweep, &super::views(sweep, &groups)).markdown()
     };
     let speeds = |page: &str| page.lines().filter(|line| line.starts_with("| 1 |") && line.contains("| 4.0")).count();
-    assert_eq!(speeds(&page(&run)), 1, "{}", page(&run));
-    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+    assert_eq!(speeds(&page(&record)), 1, "{}", page(&record));
+    for trace in record.rows.iter_mut().flat_map(|one| &mut one.traces) {
         if let Judgement::Closest(judgement) = &mut trace.judgement {
             (judgement.agreement, judgement.interval) = Default::default();
         }
     }
-    assert_eq!(speeds(&page(&run)), 0);
+    assert_eq!(speeds(&page(&record)), 0);
 }

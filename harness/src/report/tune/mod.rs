@@ -1,15 +1,15 @@
-//! What is made of a tuned parameter: `tune.md`, `tune.csv`, a chart a scene.
+//! What is made of a tuned parameter: `tune.md` and a chart a scene.
 
-mod csv;
 mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
-use super::chart::{self, Drawing};
-use super::group::stems;
-use super::{Report, ReportError, Tables};
+use super::group::{groups, stems};
+use super::sheet::{Column, Sheet};
+use super::tables::Placed;
+use super::{Report, ReportError, Tables, rows};
 use crate::judge::Rule;
-use crate::results::{Judgement, Run};
+use crate::results::{Judgement, Record};
 use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, score};
 
 /// The page.
@@ -19,19 +19,41 @@ pub const TUNE_PAGE: &str = "tune.md";
 pub(in crate::report) const STEM: &str = "tune_";
 
 /// What is made of a record of a tuned parameter.
-pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
-    Ok(Tuning::of(run).map(|tuning| of_tuning(&tuning)).unwrap_or_default())
+pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
+    let Some(tuning) = Tuning::of(record) else { return Ok(Report::default()) };
+    let is_chosen = |label: Label| {
+        Column::csv(format!("is_{}", code(label)), move |(set, value): &Tried<'_>| {
+            labels_of(set, value).contains(&label)
+        })
+    };
+    let lost_to = |label: Label| {
+        let rule = tuning.rule;
+        let lost = move |(set, value): &Tried<'_>| Some(set.choice(label)?.score? - score_at(set, value, rule)?);
+        Column::csv(format!("lost_to_{}_share", code(label)), lost)
+    };
+    let own = Sheet::new().with(Label::ALL.map(is_chosen).into()).with(Label::ALL.map(lost_to).into());
+    Ok(of_tuning(&tuning).and(rows(record, &groups(record), own, |row| tried(record, &tuning, row))))
 }
 
-/// Page, table and a chart a scene.
+/// A value on a ray set.
+type Tried<'a> = (&'a SetTuned, &'a str);
+
+/// What a row tried; controls tried nothing.
+fn tried<'a>(record: &'a Record, tuning: &'a Tuning, (_, _, (_, row, trace)): &Placed<'_>) -> Option<Tried<'a>> {
+    let point = record.sweep.as_ref()?.points.iter().find(|point| point.is_of(row))?;
+    let views = tuning.scenes.iter().filter(|scene| scene.scene == row.scene).flat_map(|scene| &scene.views);
+    let mut sets = views.filter(|view| view.viewpoint == row.viewpoint).flat_map(|view| &view.sets);
+    Some((sets.find(|set| set.rays_sha256 == trace.rays_sha256)?, point.values.get(&tuning.axis.name)?))
+}
+
+/// A label as a part of a column's name.
+fn code(label: Label) -> String {
+    label.name().replace(' ', "_")
+}
+
+/// Page and a chart a scene.
 pub(in crate::report) fn of_tuning(tuning: &Tuning) -> Report {
-    let charts = tuning.scenes.iter().zip(chart_stems(tuning));
-    Report {
-        pages: vec![(TUNE_PAGE.to_owned(), page::page(tuning))],
-        tables: vec![("tune.csv".to_owned(), csv::table(tuning))],
-        charts: charts.map(|(scene, stem)| (stem, Drawing::Panels(chart::tune::chart(tuning, scene)))).collect(),
-        ..Report::default()
-    }
+    Report::of_page(TUNE_PAGE, page::page(tuning))
 }
 
 /// What the charts of the scenes are called, without their ends.

@@ -4,6 +4,7 @@ use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
+use crate::report::chart::{self, Drawing};
 use crate::report::document::Document;
 use crate::report::format::{self, points, significant, thousands};
 use crate::report::markdown::literal;
@@ -22,7 +23,8 @@ pub(super) fn page(tuning: &Tuning) -> Document {
             .zip(["own"].into_iter().chain(std::iter::repeat("other")))
             .flat_map(|(view, whose)| view.sets.iter().map(move |set| one_set(tuning, whose, view, set)));
         let page = Document::default().scene(2, &scene.scene, "");
-        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name)).and(sets)
+        let drawing = Drawing::Panels(chart::tune::chart(tuning, scene));
+        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name), drawing).and(sets)
     };
     let sections = tuning.scenes.iter().zip(chart_stems(tuning)).map(section);
     head(tuning).and(sections).and(summary::skipped(&tuning.skipped))
@@ -37,8 +39,8 @@ fn head(tuning: &Tuning) -> Document {
     let judged = sets.flat_map(|set| &set.values).filter_map(|value| value.judged.as_ref());
     let unit = if axis.unit.is_empty() { String::new() } else { format!(" ({})", axis.unit) };
     let page = summary::head_of(&tuning.provenance, &tuning.preset, tuning.seed, &controls, &title)
-        .words(format!("`{}`{unit}: {}.", axis.name, axis.effect))
-        .words(format!(
+        .paragraph(format!("`{}`{unit}: {}.", axis.name, axis.effect))
+        .paragraph(format!(
             "Every value traces the same rays, in every scene from its own viewpoint and from another one. **Default** is the \
              preset's value. **Tuned here** is the value that is best on the judged rays themselves: an upper bound, since whoever \
              tunes has seen the answers. **Tuned elsewhere** is the value that is best from the scene's other viewpoint, **tuned on \
@@ -60,7 +62,7 @@ fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &
 /// What every choice is worth in every scene, and on average.
 fn overview(tuning: &Tuning, rays: &str, query: Query) -> Document {
     // A set in its place; below all of them their mean.
-    type Row<'a> = Option<(&'a SceneTuned, &'a ViewTuned, &'a SetTuned)>;
+    type TableRow<'a> = Option<(&'a SceneTuned, &'a ViewTuned, &'a SetTuned)>;
     let sets: Vec<_> = all_sets(tuning).filter(|(_, _, set)| set.rays == rays && set.query == query).collect();
     let Some((_, _, first)) = sets.first() else { return Document::default() };
     let mean = |of: &dyn Fn(&SetTuned) -> Option<f64>| {
@@ -70,13 +72,13 @@ fn overview(tuning: &Tuning, rays: &str, query: Query) -> Document {
     };
     let all: u64 = sets.iter().map(|(_, _, set)| set.count).sum();
     let value = |label: Label| {
-        Column::told(format!("{}: value, share ↑", label.name()), move |row: &Row<'_>| match row {
+        Column::new(format!("{}: value, share ↑", label.name()), move |row: &TableRow<'_>| match row {
             Some((.., set)) => worth(tuning, set, label),
-            None => Some(Cell::Share(mean(&|set| set.choice(label)?.score)?, None, all).told()),
+            None => Some(Cell::Share(mean(&|set| set.choice(label)?.score)?, None, all).describe()),
         })
     };
     let loss = |label: Label| {
-        Column::told(format!("{} loses to tuned here ↓", label.name()), move |row: &Row<'_>| match row {
+        Column::new(format!("{} loses to tuned here ↓", label.name()), move |row: &TableRow<'_>| match row {
             Some((.., set)) => lost(tuning, set, label, Label::TunedHere),
             None => {
                 mean(&|set| set.choice(label)?.lost_to.get(&Label::TunedHere).copied()).map(|loss| points(loss, all))
@@ -85,14 +87,14 @@ fn overview(tuning: &Tuning, rays: &str, query: Query) -> Document {
     };
     // Whatever is not tuned on the judged rays themselves.
     let losers = Label::ALL.into_iter().filter(|label| *label != Label::TunedHere);
-    let sheet = Sheet::<Row<'_>>::new()
-        .told("scene", |row| row.map_or("mean".to_owned(), |(scene, ..)| scene.scene.name.clone()))
-        .told("viewpoint", |row| {
+    let sheet = Sheet::<TableRow<'_>>::new()
+        .column("scene", |row| row.map_or("mean".to_owned(), |(scene, ..)| scene.scene.name.clone()))
+        .column("viewpoint", |row| {
             row.map_or_else(|| format!("of {}", sets.len()), |(_, view, _)| view.viewpoint.name.clone())
         })
         .with(Label::ALL.map(value).into())
         .with(losers.map(loss).collect());
-    let rows: Vec<Row<'_>> = sets.iter().copied().map(Some).chain([None]).collect();
+    let rows: Vec<TableRow<'_>> = sets.iter().copied().map(Some).chain([None]).collect();
     let heading = format!("{rays}: {}, {}", format::query(query), score_name(first, tuning.rule));
     Document::default().rays(2, rays, heading).table(sheet.table(&rows))
 }
@@ -107,7 +109,7 @@ fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> Option<String> {
     let share = judgement
         .zip(choice.score)
         .map(|(judged, score)| Cell::Share(score, interval(judged, tuning.rule), trials(set, judged)));
-    Some(format!("{value}: {}", Cell::from(share).told()))
+    Some(format!("{value}: {}", Cell::from(share).describe()))
 }
 
 /// What a choice loses to another, in bold where their intervals do not meet.
@@ -133,11 +135,11 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> Do
     let of_judgement = |judged: &Judged| trials(set, &judged.judgement);
     let loses = |to: Label| {
         let lost = move |(choice, _): &Chosen<'_>| lost(tuning, set, choice.label, to);
-        Column::told(format!("loses to {}", to.name()), lost)
+        Column::new(format!("loses to {}", to.name()), lost)
     };
     let sheet = Sheet::<Chosen<'_>>::new()
-        .told("choice", |(choice, _)| choice.label.name())
-        .told(&tuning.axis.name, |(choice, _)| {
+        .column("choice", |(choice, _)| choice.label.name())
+        .column(&tuning.axis.name, |(choice, _)| {
             choice.value.clone().unwrap_or_else(|| "nothing to choose by".to_owned())
         })
         .accuracies_of(set.query, |(_, judged)| judged.map(|judged| (&judged.judgement, of_judgement(judged))))
@@ -150,24 +152,24 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> Do
         Query::Closest => tuning.rule.name(),
     };
     let errors = |name: &str, of: fn(&Errors) -> Option<u64>| {
-        Column::told(format!("{name} ↓ ({by})"), move |value: &ValueTuned| {
+        Column::new(format!("{name} ↓ ({by})"), move |value: &ValueTuned| {
             of(&Errors::of(&value.judged.as_ref()?.judgement, tuning.rule))
         })
     };
     let sheet = Sheet::<ValueTuned>::new()
-        .told(&tuning.axis.name, |value| value.value.clone())
+        .column(&tuning.axis.name, |value| value.value.clone())
         .accuracies_of(set.query, |value| value.judged.as_ref().map(|judged| (&judged.judgement, of_judgement(judged))))
         .and(errors("false misses", |errors| Some(errors.false_misses)))
         .and(errors("false hits", |errors| Some(errors.false_hits)))
         .and(errors("early", |errors| errors.early))
         .and(errors("late", |errors| errors.late))
-        .told("is", |value| {
+        .column("is", |value| {
             let mut labels: Vec<&str> = labels_of(set, &value.value).into_iter().map(Label::name).collect();
             if value.judged.is_none() {
                 labels.push("skipped, see below");
             } else if score_at(set, &value.value, tuning.rule).is_none() {
                 let one_sided = set.judged(&value.value).and_then(|judged| judged.judgement.one_sided());
-                labels.push(one_sided.unwrap_or("not judged: every ray is a tie"));
+                labels.push(one_sided.unwrap_or("not judged: every ray is ambiguous"));
             }
             labels.join(", ")
         });

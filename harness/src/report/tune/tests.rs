@@ -8,10 +8,10 @@ use tracebench_api::{ClockKind, Query};
 use crate::files::OutputFolder;
 use crate::judge::Rule;
 use crate::measure::controls::Control;
-use crate::report::fixture::{self, Quality, write_derived, write_run};
+use crate::report::fixture::{self, Quality, configs, write_derived, write_run};
 use crate::report::read_run;
 use crate::results::{
-    AxisRecord, Judgement, PointRecord, Run, Skipped, SweepRecord, TracerRun, TunedScene, TuningRecord, place_name,
+    AxisRecord, Judgement, PointRecord, Record, Row, Skipped, SweepRecord, TunedScene, TuningRecord, place_name,
 };
 use crate::studies::tune::{Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, choose};
 
@@ -39,13 +39,13 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
             let best = (2 + view + number) % values.len();
             let set = |(place, (rays, query)): (usize, &(&str, Query))| SetTuned {
                 rays: (*rays).to_owned(),
-                rays_sha256: sample.runs[0].traces[place].rays_sha256.clone(),
+                rays_sha256: sample.rows[0].traces[place].rays_sha256.clone(),
                 query: *query,
                 count: fixture::COUNT,
                 values: (0..values.len())
                     .map(|index| {
                         let trace =
-                            run_of(0.01 + 0.05 * index.abs_diff(best) as f64).runs.remove(0).traces.remove(place);
+                            run_of(0.01 + 0.05 * index.abs_diff(best) as f64).rows.remove(0).traces.remove(place);
                         let judged = Judged {
                             hits_sha256: format!("{index:064x}"),
                             statuses: BTreeMap::from([("hit".to_owned(), fixture::COUNT)]),
@@ -56,12 +56,12 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
                     .collect(),
                 choices: Vec::new(),
             };
-            let mut viewpoint = sample.runs[0].viewpoint.clone();
+            let mut viewpoint = sample.rows[0].viewpoint.clone();
             viewpoint.name = ["door", "window", "roof"][view].to_owned();
             ViewTuned { viewpoint, sets: sets.iter().enumerate().map(set).collect(), controls: sample.controls.clone() }
         };
         let views = (0..views).map(view).collect();
-        let mut scene = sample.runs[0].scene.clone();
+        let mut scene = sample.rows[0].scene.clone();
         scene.name = (*name).to_owned();
         made.push(SceneTuned { scene, views });
     }
@@ -72,7 +72,7 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
         seed: 1,
         preset: "quick".to_owned(),
         ray_parameters: BTreeMap::new(),
-        tracer: sample.runs[0].tracer.clone(),
+        tracer: sample.rows[0].tracer.clone(),
         axis,
         rule: Rule::Footprint,
         scenes: made,
@@ -81,7 +81,7 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
 }
 
 /// The record that a tuning is derived from: what [`Tuning::of`] takes apart.
-fn record(tuning: &Tuning) -> Run {
+fn record(tuning: &Tuning) -> Record {
     let sample = fixture::run(&[], &[]);
     let row =
         fixture::run(&[("screen-dda", Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host })], &SETS);
@@ -94,22 +94,22 @@ fn record(tuning: &Tuning) -> Run {
     let point = |value: &String| PointRecord {
         values: BTreeMap::from([(name.clone(), value.clone())]),
         parameters: parameters(value),
-        frame: row.runs[0].viewpoint.frame,
-        face: row.runs[0].viewpoint.face,
+        frame: row.rows[0].viewpoint.frame,
+        face: row.rows[0].viewpoint.face,
         skipped: BTreeMap::new(),
     };
     let mut points: Vec<PointRecord> = tuning.axis.values.iter().map(point).collect();
-    let (mut runs, mut controls) = (Vec::new(), Vec::new());
+    let (mut rows, mut controls) = (Vec::new(), Vec::new());
     for scene in &tuning.scenes {
         for (at, view) in scene.views.iter().enumerate() {
             controls.extend(view.controls.clone());
             for (index, point) in points.iter_mut().enumerate() {
-                let mut one: TracerRun = row.runs[0].clone();
+                let mut one: Row = row.rows[0].clone();
                 one.scene = scene.scene.clone();
                 one.viewpoint = view.viewpoint.clone();
                 one.tracer.parameters = point.parameters.clone();
                 one.traces.clear();
-                for (set, sample) in view.sets.iter().zip(&row.runs[0].traces) {
+                for (set, sample) in view.sets.iter().zip(&row.rows[0].traces) {
                     let value = &set.values[index];
                     if let Some(reason) = &value.skipped {
                         point.skipped.insert(place_name(&scene.scene, &view.viewpoint, at), reason.clone());
@@ -121,7 +121,7 @@ fn record(tuning: &Tuning) -> Run {
                     trace.judgement = judged.judgement.clone();
                     one.traces.push(trace);
                 }
-                runs.push(one);
+                rows.push(one);
             }
         }
     }
@@ -130,7 +130,7 @@ fn record(tuning: &Tuning) -> Run {
         viewpoints: scene.views.iter().map(|view| view.viewpoint.clone()).collect(),
     };
     let axes = vec![tuning.axis.clone()];
-    Run {
+    Record {
         provenance: tuning.provenance.clone(),
         control_names: tuning.control_names.clone(),
         seed: tuning.seed,
@@ -143,8 +143,8 @@ fn record(tuning: &Tuning) -> Run {
             scenes: tuning.scenes.iter().map(tuned).collect(),
         }),
         controls,
-        runs,
-        races: row.races,
+        rows,
+        interleaved_sets: row.interleaved_sets,
         skipped: tuning.skipped.clone(),
         ..sample
     }
@@ -173,13 +173,6 @@ fn typical() -> Tuning {
     tuning(&VALUES, &["room", "hall"], 2, &SETS)
 }
 
-fn rows(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
-    let mut reader = ::csv::Reader::from_path(folder.path().join("tune.csv")).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
-}
-
 /// Proves that a tuning read back is the same and makes the same files, that its JSON has the head of other records at its top,
 /// that a file of another schema is refused, and that charts of an earlier tuning go while others, and the user's, stay.
 #[test]
@@ -191,8 +184,16 @@ fn files_can_be_made_again() {
     std::fs::write(folder.path().join("tune_mine.svg"), "mine").unwrap();
     let paths = write_run(&record(&placed(typical())), folder.path(), fixture::tables).unwrap();
     let names: Vec<_> = paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
-    let expected =
-        ["run.json", "tune.md", "tune.csv", "tune_room.svg", "tune_room.png", "tune_hall.svg", "tune_hall.png"];
+    let expected = [
+        "run.json",
+        "tune.md",
+        "rows.csv",
+        "wrong_rays.csv",
+        "tune_room.svg",
+        "tune_room.png",
+        "tune_hall.svg",
+        "tune_hall.png",
+    ];
     assert_eq!(names, expected);
     let stands = |name: &str| folder.path().join(name).exists();
     assert_eq!(["tune_gone.svg", "sweep_stays.svg", "tune_mine.svg"].map(stands), [false, true, true]);
@@ -203,7 +204,7 @@ fn files_can_be_made_again() {
         assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
     }
     // A record that lost its section is one of a sweep.
-    assert!(Tuning::of(&Run { tuning: None, ..again }).is_none());
+    assert!(Tuning::of(&Record { tuning: None, ..again }).is_none());
     let text = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
     assert!(text.contains("\"rule\":\"footprint\"") && !text.contains("tuned"), "{text:.300}");
 }
@@ -212,15 +213,10 @@ fn files_can_be_made_again() {
 /// of the record, counted here.
 #[test]
 fn the_table_tells_what_each_value_loses() {
-    let mut made = typical();
-    made.scenes[1].views[1].sets[0].values[0] =
-        ValueTuned { value: "0".to_owned(), judged: None, skipped: Some("too large".to_owned()) };
-    choose(&mut made.scenes, "0.001", Rule::Footprint);
+    let made = placed(typical());
     let folder = TempDir::new().unwrap();
-    for (name, contents) in super::of_tuning(&made).contents().unwrap() {
-        std::fs::write(folder.path().join(name), contents).unwrap();
-    }
-    let rows = rows(&folder);
+    write_run(&record(&made), folder.path(), fixture::tables).unwrap();
+    let rows = configs(folder.path());
     assert_eq!(rows.len(), 2 * 2 * 2 * VALUES.len());
     let of = |scene: &str, view: &str, rays: &str| {
         let all =
@@ -228,7 +224,7 @@ fn the_table_tells_what_each_value_loses() {
         all.collect::<Vec<_>>()
     };
     let labels = |row: &BTreeMap<String, String>| {
-        let of = ["is_default", "is_tuned_here", "is_tuned_elsewhere", "is_tuned_on_other_scenes"];
+        let of = ["is_default", "is_tuned_here", "is_tuned_elsewhere", "is_tuned_on_the_other_scenes"];
         of.map(|name| row[name].parse::<bool>().unwrap())
     };
     // From the door the third value is best, from the window the fourth; in the hall each is one further.
@@ -242,27 +238,24 @@ fn the_table_tells_what_each_value_loses() {
         let set = &made.scenes[0].views[0].sets[0];
         let Judgement::Closest(closest) = &set.values[index].judged.as_ref().unwrap().judgement else { panic!() };
         let classes = &closest.classes.footprint;
-        let counted = ["false_miss_rays", "false_hit_rays", "early_rays", "late_rays"]
-            .map(|name| row[name].parse::<u64>().unwrap());
+        let counted = ["false_miss", "false_hit", "early", "late"]
+            .map(|class| row[&format!("footprint_{class}_rays")].parse::<u64>().unwrap());
         assert_eq!(counted, [classes.false_miss, classes.false_hit, classes.early, classes.late]);
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         let trials = (fixture::COUNT - closest.left_out()) as f64;
         let score = (classes.true_hit + classes.true_miss) as f64 / trials;
-        assert_eq!(number("score_share"), score);
         assert_eq!(number("agreement_footprint_share"), score);
         let [low, high] = closest.interval.footprint.unwrap();
-        assert_eq!((number("agreement_footprint_low_share"), number("agreement_footprint_high_share")), (low, high));
+        assert_eq!((number("agreement_footprint_share_low"), number("agreement_footprint_share_high")), (low, high));
         let Judgement::Closest(best) = &set.values[2].judged.as_ref().unwrap().judgement else { panic!() };
         assert_eq!(number("lost_to_tuned_here_share"), best.agreement.footprint.unwrap() - score);
         assert!(row["balanced_accuracy_share"].is_empty());
     }
     for row in of("room", "window", "ao") {
-        assert!(row["agreement_tight_share"].is_empty() && row["early_rays"].is_empty(), "{row:?}");
-        assert!(row["balanced_accuracy_share"] == row["score_share"] && !row["score_share"].is_empty(), "{row:?}");
+        assert!(row["agreement_tight_share"].is_empty() && !row["balanced_accuracy_share"].is_empty(), "{row:?}");
+        let best: f64 = row["lost_to_tuned_here_share"].parse().unwrap();
+        assert_eq!(best == 0.0, row["is_tuned_here"] == "true", "{row:?}");
     }
-    let skipped: Vec<_> = rows.iter().filter(|row| !row["skipped"].is_empty()).collect();
-    assert_eq!(skipped.len(), 1);
-    assert!(skipped[0]["score_share"].is_empty() && skipped[0]["scene"] == "hall", "{skipped:?}");
 }
 
 /// Proves that the page names every label with its value and loss, sets losses in bold only where intervals are apart, and says
@@ -287,16 +280,19 @@ fn the_page_labels_values_honestly() {
     choose(&mut same.scenes, "0.001", Rule::Footprint);
     let page = super::page::page(&same).markdown();
     assert!(!page.contains("**+") && !page.contains("**-") && page.contains("| tuned here | 0 |"), "{page}");
-    let mut void = made.clone();
-    void.scenes[1].views[1].controls.remove(0);
-    let page = super::page::page(&void).markdown();
-    assert!(page.contains("**the run is void**: oracle is missing on diffuse of hall, viewpoint window"), "{page}");
+    let mut invalid = made.clone();
+    invalid.scenes[1].views[1].controls.remove(0);
+    let page = super::page::page(&invalid).markdown();
+    assert!(
+        page.contains("**the record is invalid**: oracle is missing on diffuse of hall, viewpoint window"),
+        "{page}"
+    );
     let mut wrong = made;
     wrong.scenes[0].views[0].controls[0].traces = wrong.scenes[0].views[0].controls[1].traces.clone();
     assert!(super::page::page(&wrong).markdown().contains("oracle fails on diffuse of room, viewpoint door"));
 }
 
-/// Proves that one viewpoint, one scene and nothing but ties leave a page that says so.
+/// Proves that one viewpoint, one scene and nothing but ambiguous rays leave a page that says so.
 #[test]
 fn nothing_to_choose_by() {
     let mut made = tuning(&VALUES, &["room"], 1, &SETS[..1]);
@@ -310,6 +306,6 @@ fn nothing_to_choose_by() {
     choose(&mut made.scenes, "0.001", Rule::Footprint);
     let page = super::page::page(&made).markdown();
     assert!(page.contains("| tuned here | nothing to choose by |"), "{page}");
-    assert_eq!(page.matches("not judged: every ray is a tie").count(), VALUES.len());
+    assert_eq!(page.matches("not judged: every ray is ambiguous").count(), VALUES.len());
     assert_eq!(made.scenes[0].views[0].sets[0].choice(Label::Default).unwrap().score, None);
 }

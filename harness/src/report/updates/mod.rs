@@ -2,54 +2,59 @@
 
 mod walk;
 
+use std::ptr;
+
 use crate::report::document::{Document, set_heading};
 use crate::report::format;
-use crate::report::group::Role;
-use crate::report::metrics::{COUNT, SPEED, STRUCTURE};
-use crate::report::sheet::{Cell, Column, Sheet, Table};
-use crate::report::{Report, cells, metrics, summary};
-use crate::results::{FRESH_BUILD, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio};
+use crate::report::group::{Role, groups};
+use crate::report::metrics::{SPEED, STRUCTURE};
+use crate::report::sheet::{Cell, Sheet, Table};
+use crate::report::tables::Placed;
+use crate::report::{Report, cells, metrics, peers, rows, summary};
+use crate::results::{FRESH_BUILD, Record, Row, SceneFollowed, Times, TraceRecord, UpdatesRecord, time_ratio};
 use itertools::Itertools as _;
 
 /// The statistic of structures that tells their quality, by its name in `validate`.
 const SAH_COST: &str = "sah_cost";
 
 /// The table.
-pub(super) fn report(run: &Run, updates: &UpdatesRecord) -> Report {
+pub(super) fn report(record: &Record, updates: &UpdatesRecord) -> Report {
     // The name comes from a file.
-    let stem = format!("table_{}", format::file_stem(run.table.as_deref().unwrap_or("updates")).replace('-', "_"));
-    if updates.scenes.iter().any(|scene| !scene.walked.is_empty()) {
-        Report::of_table(&stem, walk::page(run, updates), walk::csv(run, updates))
+    let name = format::file_stem(record.table.as_deref().unwrap_or("updates"));
+    let page_name = format!("{}.md", peers::stem(&name));
+    if updates.scenes.iter().any(|scene| !scene.frame_scene_sha256.is_empty()) {
+        walk::rows(record, updates).and(Report::of_page(page_name, walk::page(record, updates)))
     } else {
-        Report::of_table(&stem, page(run, updates), csv(run, updates))
+        let (groups, scenes) = (groups(record), scenes(record, updates));
+        rows(record, &groups, own(), |row| row_of(&scenes, row)).and(Report::of_page(page_name, page(record, updates)))
     }
 }
 
 /// A scene that was followed, with its rows.
 struct Followed<'a> {
     times_s: &'a [f64],
-    rows: Vec<&'a TracerRun>,
+    rows: Vec<&'a Row>,
 }
 
 /// Every scene that has rows.
-fn scenes<'a>(run: &'a Run, updates: &'a UpdatesRecord) -> Vec<Followed<'a>> {
+fn scenes<'a>(record: &'a Record, updates: &'a UpdatesRecord) -> Vec<Followed<'a>> {
     let of_scene = |scene: &'a SceneFollowed| {
-        let is_of = |row: &&TracerRun| (&row.scene.name, &row.scene.sha256) == (&scene.scene, &scene.scene_sha256);
-        Followed { times_s: &scene.times_s, rows: run.runs.iter().filter(is_of).collect() }
+        let is_of = |row: &&Row| (&row.scene.name, &row.scene.sha256) == (&scene.scene, &scene.scene_sha256);
+        Followed { times_s: &scene.times_s, rows: record.rows.iter().filter(is_of).collect() }
     };
     updates.scenes.iter().map(of_scene).filter(|scene| !scene.rows.is_empty()).collect()
 }
 
-fn way(row: &TracerRun) -> &str {
-    row.way.as_ref().map_or(FRESH_BUILD, |way| &way.name)
+fn update_mode(row: &Row) -> &str {
+    row.update_mode.as_ref().map_or(FRESH_BUILD, |update_mode| &update_mode.name)
 }
 
 /// The fresh build of a row's tracer.
-fn fresh_of<'a>(scene: &Followed<'a>, row: &TracerRun) -> Option<&'a TracerRun> {
-    scene.rows.iter().find(|other| way(other) == FRESH_BUILD && other.tracer == row.tracer).copied()
+fn fresh_of<'a>(scene: &Followed<'a>, row: &Row) -> Option<&'a Row> {
+    scene.rows.iter().find(|other| update_mode(other) == FRESH_BUILD && other.tracer == row.tracer).copied()
 }
 
-fn sah_cost(row: &TracerRun) -> Option<f64> {
+fn sah_cost(row: &Row) -> Option<f64> {
     row.structure_statistics.get(SAH_COST).copied()
 }
 
@@ -59,19 +64,19 @@ fn over_fresh(own: &Times, fresh: Option<&Times>) -> Option<f64> {
 }
 
 /// The title, and where it was measured.
-fn head(run: &Run, title: &str) -> Document {
-    let smoke = if run.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
-    Document::titled(&format!("Table {}: {title}", run.table.as_deref().unwrap_or_default()))
-        .item(format!("Machine: {}", run.provenance.machine.label()))
-        .item(format!("Commit: {}", format::commit(&run.provenance.commit, run.provenance.dirty)))
-        .item(format!("Rules: version {}", run.provenance.rules_version))
-        .item(format!("Preset: {}{smoke}", run.preset))
-        .item(format!("Started: {}", run.provenance.started))
-        .and(summary::notes(run))
+fn head(record: &Record, title: &str) -> Document {
+    let smoke = if record.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
+    Document::titled(&format!("Table {}: {title}", record.table.as_deref().unwrap_or_default()))
+        .item(format!("Machine: {}", record.provenance.machine.label()))
+        .item(format!("Commit: {}", format::commit(&record.provenance.commit, record.provenance.dirty)))
+        .item(format!("Rules: version {}", record.provenance.rules_version))
+        .item(format!("Preset: {}{smoke}", record.preset))
+        .item(format!("Started: {}", record.provenance.started))
+        .and(summary::notes(record))
 }
 
-fn page(run: &Run, updates: &UpdatesRecord) -> Document {
-    let head = head(run, "structures that follow animations").words(format!(
+fn page(record: &Record, updates: &UpdatesRecord) -> Document {
+    let head = head(record, "structures that follow animations").paragraph(format!(
         "Every structure is built over the first frame and follows {} frames, evenly over the animation (to its \
          middle, where it comes back to its start), in {} counted passes. Times \
          are medians over all updates with an order-statistic interval in brackets; each names its clock. At the last frame \
@@ -82,21 +87,21 @@ fn page(run: &Run, updates: &UpdatesRecord) -> Document {
     let section = |scene: &Followed<'_>| {
         let until = format!("To {} s.", scene.times_s.last().copied().unwrap_or_default());
         let sets = ray_sets(scene).map(|(rays, sha256)| traces(scene, rays, sha256));
-        Document::default().scene(2, &scene.rows[0].scene, "").words(until).table(structures(scene)).and(sets)
+        Document::default().scene(2, &scene.rows[0].scene, "").paragraph(until).table(structures(scene)).and(sets)
     };
-    head.and(scenes(run, updates).iter().map(section)).and(summary::skipped(&run.skipped))
+    head.and(scenes(record, updates).iter().map(section)).and(summary::skipped(&record.skipped))
 }
 
 /// A scene's row with one of its traces.
-struct Row<'a> {
+struct TableRow<'a> {
     scene: &'a Followed<'a>,
-    row: &'a TracerRun,
+    row: &'a Row,
     trace: &'a TraceRecord,
 }
 
-impl Row<'_> {
-    fn on_page(&self) -> Option<cells::Row<'_>> {
-        Some((Role::Contender, self.row, self.trace))
+impl TableRow<'_> {
+    fn on_page(&self) -> Option<cells::TableRow<'_>> {
+        Some((Role::Tracer, self.row, self.trace))
     }
 
     /// How many times as fast the trace is as that of a fresh build.
@@ -107,39 +112,41 @@ impl Row<'_> {
     }
 }
 
-/// Columns of structures beside fresh builds.
-fn of_structures<'a, R>(
-    sheet: Sheet<'a, R>,
-    of: impl Fn(&R) -> &TracerRun + Copy + 'a,
-    fresh: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a,
-) -> Sheet<'a, R> {
-    let time = move |row: &R| over_fresh(of(row).build.first(), fresh(row).map(|fresh| fresh.build.first()));
-    let time = move |row: &R| time(row).map(|ratio| Cell::Number(ratio, 3));
-    let cost = move |row: &R| Some(sah_cost(of(row))? / sah_cost(fresh(row)?)?);
-    sheet
-        .and(Column::new("way", move |row| way(of(row)).to_owned()).headed("way"))
-        .then(|sheet| updated(sheet, move |row| Some(of(row).build.first())))
-        .and(Column::new("update_time_over_fresh", time).headed(OVER_FRESH))
-        .and(Column::new("sah_cost", move |row| sah_cost(of(row))).headed("SAH cost ↓"))
-        .and(Column::new("sah_cost_over_fresh", cost).headed(OVER_FRESH))
-        .structure(STRUCTURE, move |row| Some(of(row)))
+/// What its last update took over the time of a fresh build.
+fn time_over_fresh(row: &Row, fresh: Option<&Row>) -> Option<Cell> {
+    over_fresh(row.build.first(), fresh.map(|fresh| fresh.build.first())).map(|ratio| Cell::Number(ratio, 3))
 }
 
-/// The clock and the time of updates.
-fn updated<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> Option<&Times> + Copy + 'a) -> Sheet<'a, R> {
-    let time = Column::new("update_median_ms", move |row| Cell::from(of(row)));
-    sheet
-        .clock_called("clock", "update_clock", of)
-        .and(time.beside(&["update_low_ms", "update_high_ms"]).headed("update time (ms) ↓"))
+fn cost_over_fresh(row: &Row, fresh: Option<&Row>) -> Option<f64> {
+    Some(sah_cost(row)? / sah_cost(fresh?)?)
+}
+
+fn row_of<'a>(scenes: &'a [Followed<'a>], (.., (_, row, trace)): &Placed<'a>) -> Option<TableRow<'a>> {
+    let scene = scenes.iter().find(|scene| scene.rows.iter().any(|own| ptr::eq(*own, *row)))?;
+    Some(TableRow { scene, row, trace })
+}
+
+/// What is told of rows beside fresh builds.
+fn own<'a>() -> Sheet<'a, TableRow<'a>> {
+    Sheet::<TableRow<'_>>::new()
+        .csv_column("update_time_over_fresh", |row| time_over_fresh(row.row, fresh_of(row.scene, row.row)))
+        .csv_column("sah_cost_over_fresh", |row| cost_over_fresh(row.row, fresh_of(row.scene, row.row)))
+        .csv_column("speed_over_fresh", TableRow::speed_over_fresh)
 }
 
 const OVER_FRESH: &str = "× fresh";
 
 fn structures(scene: &Followed<'_>) -> Table {
     let rows: Vec<_> = scene.rows.iter().map(|row| (*row, fresh_of(scene, row))).collect();
-    let sheet = Sheet::<(&TracerRun, Option<&TracerRun>)>::new()
-        .told("tracer", |(row, _)| row.label())
-        .then(|sheet| of_structures(sheet, |(row, _)| row, |(_, fresh)| *fresh));
+    let sheet = Sheet::<(&Row, Option<&Row>)>::new()
+        .column("tracer", |(row, _)| row.label())
+        .column("update mode", |(row, _)| update_mode(row).to_owned())
+        .clock("clock", |(row, _)| Some(row.build.first()))
+        .column("update time (ms) ↓", |(row, _)| row.build.first())
+        .column(OVER_FRESH, |(row, fresh)| time_over_fresh(row, *fresh))
+        .column("SAH cost ↓", |(row, _)| sah_cost(row))
+        .column(OVER_FRESH, |(row, fresh)| cost_over_fresh(row, *fresh))
+        .structure(STRUCTURE, |(row, _)| Some(row));
     sheet.table(&rows)
 }
 
@@ -149,48 +156,25 @@ fn ray_sets<'a>(scene: &Followed<'a>) -> impl Iterator<Item = (&'a String, &'a S
     traces.map(|trace| (&trace.rays, &trace.rays_sha256)).unique()
 }
 
-fn trace_of<'a>(row: &'a TracerRun, rays: &str, sha256: &str) -> Option<&'a TraceRecord> {
+fn trace_of<'a>(row: &'a Row, rays: &str, sha256: &str) -> Option<&'a TraceRecord> {
     row.traces.iter().find(|trace| trace.rays == rays && trace.rays_sha256 == sha256)
 }
 
 fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> Document {
     let traced = scene.rows.iter().filter_map(|row| Some((*row, trace_of(row, rays, sha256)?)));
-    let found: Vec<cells::Row<'_>> = traced.map(|(row, trace)| (Role::Contender, row, trace)).collect();
+    let found: Vec<cells::TableRow<'_>> = traced.map(|(row, trace)| (Role::Tracer, row, trace)).collect();
     let Some((.., first)) = found.first() else { return Document::default() };
-    let rows: Vec<Row<'_>> = found.iter().map(|(_, row, trace)| Row { scene, row, trace }).collect();
-    let sheet = Sheet::<Row<'_>>::new()
-        .name(Row::on_page)
-        .told("way", |row| way(row.row).to_owned())
-        .own_clock(Row::on_page)
-        .taken(SPEED, Row::on_page)
-        .told("× fresh ↑", |row| {
+    let rows: Vec<TableRow<'_>> = found.iter().map(|(_, row, trace)| TableRow { scene, row, trace }).collect();
+    let sheet = Sheet::<TableRow<'_>>::new()
+        .name(TableRow::on_page)
+        .column("update mode", |row| update_mode(row.row).to_owned())
+        .own_clock(TableRow::on_page)
+        .taken(SPEED, TableRow::on_page)
+        .column("× fresh ↑", |row| {
             row.speed_over_fresh().filter(|_| metrics::judged(row.trace)).map(|ratio| Cell::Number(ratio, 3))
         })
-        .right(first.query, Row::on_page)
+        .right(first.query, TableRow::on_page)
         // Those of a whole set are no cost of a ray.
-        .counted_that(false, &found, Row::on_page);
+        .counted_that(false, &found, TableRow::on_page);
     Document::default().rays(3, rays, set_heading(rays, first.query, first.count)).table(sheet.table(&rows))
-}
-
-/// One row a scene, tracer, way and ray set.
-fn csv(run: &Run, updates: &UpdatesRecord) -> Table {
-    let scenes = scenes(run, updates);
-    let rows = scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row)));
-    let rows =
-        rows.flat_map(|(scene, row)| row.traces.iter().map(move |trace| Row { scene, row, trace })).collect_vec();
-    let sheet = Sheet::<Row<'_>>::new()
-        .scene(|row| &row.row.scene)
-        .column("frames", |_| updates.frames)
-        .column("passes", |_| updates.passes)
-        .tracer(|row| row.row)
-        .then(|sheet| of_structures(sheet, |row| row.row, |row| fresh_of(row.scene, row.row)))
-        .rays(|row| Some(row.trace))
-        .query(|row| Some(row.trace.query))
-        .trace(COUNT, |row| Some(row.trace))
-        .clock("clock", |row| Some(&row.trace.times))
-        .whole_trace(SPEED, |row| Some(row.trace))
-        .column("speed_over_fresh", Row::speed_over_fresh)
-        .accuracy(|row| Some(row.trace))
-        .provenance(&run.provenance, &run.preset);
-    sheet.table(&rows)
 }

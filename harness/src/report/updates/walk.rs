@@ -1,15 +1,19 @@
 //! The table of frames along the camera's path: the time of all frames together, and the accuracy at each.
 
+use std::ptr;
+
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
-use super::{head, updated, way};
+use super::head;
 use crate::report::document::{Document, set_heading};
 use crate::report::format::{self, NONE, clock_code, clock_of, percent};
-use crate::report::metrics::{Better, COUNT, FIRST_BUILD, SPEED, STRUCTURE, TRACE_TIME, headed};
+use crate::report::group::groups;
+use crate::report::metrics::{Better, FIRST_BUILD, TRACE_TIME, headed};
 use crate::report::sheet::{Cell, Column, Sheet, Table};
-use crate::report::{metrics, summary};
-use crate::results::{Run, SceneFollowed, TraceRecord, TracerRun, UpdatesRecord};
+use crate::report::tables::Placed;
+use crate::report::{self, Report, metrics, summary};
+use crate::results::{Record, SceneFollowed, TraceRecord, UpdatesRecord};
 use crate::studies::updates::{Total, Walker, walkers};
 
 /// The way that totals are set against.
@@ -22,9 +26,9 @@ struct Set<'a> {
 }
 
 /// Every ray set of a scene, in the order of the first rows.
-fn sets<'a>(run: &'a Run, scene: &'a SceneFollowed) -> Vec<Set<'a>> {
-    let traces = run.runs.iter().filter(|row| row.scene.name == scene.scene).flat_map(|row| &row.traces);
-    let set = |rays| Set { rays, walkers: walkers(run, scene, rays) };
+fn sets<'a>(record: &'a Record, scene: &'a SceneFollowed) -> Vec<Set<'a>> {
+    let traces = record.rows.iter().filter(|row| row.scene.name == scene.scene).flat_map(|row| &row.traces);
+    let set = |rays| Set { rays, walkers: walkers(record, scene, rays) };
     traces.map(|trace| trace.rays.as_str()).unique().map(set).filter(|set| !set.walkers.is_empty()).collect()
 }
 
@@ -36,15 +40,15 @@ fn label(walker: &Walker<'_>) -> String {
 /// The way, marked where what it reuses is invalid.
 fn way_of(walker: &Walker<'_>) -> String {
     if walker.stale_by.is_empty() {
-        return walker.way.to_owned();
+        return walker.update_mode.to_owned();
     }
-    format!("{} (**stale**: moved {})", walker.way, walker.stale_by.join(", "))
+    format!("{} (**stale**: moved {})", walker.update_mode, walker.stale_by.join(", "))
 }
 
 /// The total of the same tracer that is rebuilt at every frame.
 fn rebuilt(set: &Set<'_>, walker: &Walker<'_>) -> Option<Total> {
     let tracer = |walker: &Walker<'_>| walker.frames[0].map(|(row, _)| row.tracer.clone());
-    set.walkers.iter().find(|other| other.way == REBUILD && tracer(other) == tracer(walker))?.total()
+    set.walkers.iter().find(|other| other.update_mode == REBUILD && tracer(other) == tracer(walker))?.total()
 }
 
 /// The shares of a trace that tell its accuracy.
@@ -84,8 +88,8 @@ fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> Document {
-    let head = head(run, "frames along the camera's path").words(format!(
+pub(super) fn page(record: &Record, updates: &UpdatesRecord) -> Document {
+    let head = head(record, "frames along the camera's path").paragraph(format!(
         "The eye moves at every one of {0} frames, evenly along the scene's camera path (without one, straight to another viewpoint of \
          it), and a scene that moves does so over the same frames. Every frame has its own rays and truth. All build over the first \
          frame; at every later one the structure is reused as it is, refitted, or rebuilt, {1} times each. *All frames* is the first \
@@ -98,16 +102,18 @@ pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> Document {
         updates.frames + 1
     ));
     let section = |scene: &SceneFollowed| {
-        let sets = sets(run, scene);
+        let sets = sets(record, scene);
         let (row, _) = sets.iter().flat_map(|set| &set.walkers).find_map(|walker| walker.frames[0])?;
         let moves = match scene.times_s.last() {
-            Some(end) if scene.walked.iter().any(|hash| *hash != scene.walked[0]) => format!("moves to {end} s"),
+            Some(end) if scene.frame_scene_sha256.iter().any(|hash| *hash != scene.frame_scene_sha256[0]) => {
+                format!("moves to {end} s")
+            }
             _ => "stands still".to_owned(),
         };
-        let page = Document::default().scene(2, &row.scene, "").words(format!("The scene {moves}."));
+        let page = Document::default().scene(2, &row.scene, "").paragraph(format!("The scene {moves}."));
         Some(page.and(sets.iter().map(totals)))
     };
-    head.and(updates.scenes.iter().filter_map(section)).and(summary::skipped(&run.skipped))
+    head.and(updates.scenes.iter().filter_map(section)).and(summary::skipped(&record.skipped))
 }
 
 fn totals(set: &Set<'_>) -> Document {
@@ -122,29 +128,29 @@ fn totals(set: &Set<'_>) -> Document {
         whole.then_some(())
     };
     let sheet = Sheet::<Walker<'_>>::new()
-        .told("tracer", label)
-        .told("way", way_of)
-        .told("clock", |walker| {
+        .column("tracer", label)
+        .column("update mode", way_of)
+        .column("clock", |walker| {
             let clock = || walker.frames[0].map(|(_, trace)| clock_of(&trace.times));
             walker.total().map(|total| format::clock(total.clock).to_owned()).or_else(clock)
         })
-        .told(FIRST_BUILD.heading(), |walker| walker.update(0))
-        .told("update, mean of frames (ms) ↓", |walker| {
+        .column(FIRST_BUILD.heading(), |walker| walker.update(0))
+        .column("update, mean of frames (ms) ↓", |walker| {
             mean(later(walker).map(|frame| walker.update(frame).map(|times| times.median_ms)))
         })
-        .told("trace, mean of frames (ms) ↓", move |walker| {
+        .column("trace, mean of frames (ms) ↓", move |walker| {
             judged(walker).and_then(|()| mean(later(walker).map(|frame| trace_ms(walker, frame))))
         })
-        .told("all frames (ms) ↓", move |walker| judged(walker).and_then(|()| Some(walker.total()?.ms)))
-        .told("× rebuild ↓", move |walker| {
+        .column("all frames (ms) ↓", move |walker| judged(walker).and_then(|()| Some(walker.total()?.ms)))
+        .column("× rebuild ↓", move |walker| {
             judged(walker).and_then(|()| over_rebuilt(set, walker)).map(|ratio| Cell::Number(ratio, 3))
         })
-        .told(headed(accuracy, Better::Higher), |walker| {
+        .column(headed(accuracy, Better::Higher), |walker| {
             least(walker).map(|(shares, trials)| shares_as_text(&shares, trials))
         });
     let title = format!("{} a frame", set_heading(set.rays, first.query, first.count));
     let page = Document::default().rays(3, set.rays, title).table(sheet.table(&set.walkers));
-    page.words("At every frame:").table(accuracies(set))
+    page.paragraph("At every frame:").table(accuracies(set))
 }
 
 fn later(walker: &Walker<'_>) -> std::ops::Range<usize> {
@@ -159,65 +165,30 @@ fn over_rebuilt(set: &Set<'_>, walker: &Walker<'_>) -> Option<f64> {
 fn accuracies(set: &Set<'_>) -> Table {
     let frames = set.walkers.first().map_or(0, |walker| walker.frames.len());
     let of_frame = |frame: usize| {
-        Column::told(format!("frame {frame} (%) ↑"), move |walker: &Walker<'_>| {
+        Column::new(format!("frame {frame} (%) ↑"), move |walker: &Walker<'_>| {
             let (_, trace) = walker.frames.get(frame).copied().flatten()?;
             Some(shares_as_text(&shares(trace), metrics::trials(trace)))
         })
     };
-    let sheet =
-        Sheet::<Walker<'_>>::new().told("tracer", label).told("way", way_of).with((0..frames).map(of_frame).collect());
+    let sheet = Sheet::<Walker<'_>>::new()
+        .column("tracer", label)
+        .column("update mode", way_of)
+        .with((0..frames).map(of_frame).collect());
     sheet.table(&set.walkers)
 }
 
-/// A frame of a walk.
-struct Row<'a> {
-    set: &'a Set<'a>,
-    walker: &'a Walker<'a>,
-    frame: usize,
-    row: &'a TracerRun,
-    trace: &'a TraceRecord,
-}
-
-impl Row<'_> {
-    /// The first frame is a fresh build for every way that begins there.
-    fn way(&self) -> String {
-        if self.frame == 0 { format!("{}, {}", way(self.row), self.walker.way) } else { self.walker.way.to_owned() }
-    }
-}
-
-/// One row a scene, ray set, tracer, way and frame.
-pub(super) fn csv(run: &Run, updates: &UpdatesRecord) -> Table {
-    let sets: Vec<Set<'_>> = updates.scenes.iter().flat_map(|scene| sets(run, scene)).collect();
-    let mut rows: Vec<Row<'_>> = Vec::new();
-    for (set, walker) in sets.iter().flat_map(|set| set.walkers.iter().map(move |walker| (set, walker))) {
-        let measured = |(frame, there): (usize, &Option<_>)| {
-            let (row, trace) = (*there)?;
-            Some(Row { set, walker, frame, row, trace })
-        };
-        rows.extend(walker.frames.iter().enumerate().filter_map(measured));
-    }
-    let sheet = Sheet::<Row<'_>>::new()
-        .scene(|row| &row.row.scene)
-        .column("frames", |_| updates.frames)
-        .column("passes", |_| updates.passes)
-        .column("frame", |row| row.frame as u64)
-        .column("animation_time_s", |row| row.row.viewpoint.time_s)
-        .column("viewpoint", |row| row.row.viewpoint.name.clone())
-        .tracer(|row| row.row)
-        .column("way", Row::way)
-        .column("stale_by", |row| row.row.way.as_ref().map(|way| way.stale_by.join(" ")))
-        .then(|sheet| updated(sheet, |row| row.walker.update(row.frame)))
-        .structure(STRUCTURE, |row| Some(row.row))
-        .rays(|row| Some(row.trace))
-        .query(|row| Some(row.trace.query))
-        .trace(COUNT, |row| Some(row.trace))
-        .clock("clock", |row| Some(&row.trace.times))
-        .ends(["trace_median_ms", "trace_low_ms", "trace_high_ms"], |row| Cell::from(&row.trace.times))
-        .trace(SPEED, |row| Some(row.trace))
-        .accuracy(|row| Some(row.trace))
-        .column("all_frames_clock", |row| row.walker.total().map(|total| clock_code(total.clock)))
-        .column("all_frames_ms", |row| row.walker.total().map(|total| total.ms))
-        .column("all_frames_over_rebuild", |row| over_rebuilt(row.set, row.walker))
-        .provenance(&run.provenance, &run.preset);
-    sheet.table(&rows)
+/// What is told of later frames: the time of all frames on their way.
+pub(super) fn rows(record: &Record, updates: &UpdatesRecord) -> Report {
+    type Walk<'a> = (&'a Set<'a>, &'a Walker<'a>);
+    let groups = groups(record);
+    let sets: Vec<Set<'_>> = updates.scenes.iter().flat_map(|scene| sets(record, scene)).collect();
+    let walk = |(.., (_, _, trace)): &Placed<'_>| {
+        let mut all = sets.iter().flat_map(|set| set.walkers.iter().map(move |walker| (set, walker)));
+        all.find(|(_, walker)| walker.frames.iter().skip(1).flatten().any(|(_, own)| ptr::eq(*own, *trace)))
+    };
+    let own = Sheet::<Walk<'_>>::new()
+        .csv_column("all_frames_clock", |(_, walker)| walker.total().map(|total| clock_code(total.clock)))
+        .csv_column("all_frames_ms", |(_, walker)| walker.total().map(|total| total.ms))
+        .csv_column("all_frames_over_rebuild", |(set, walker)| over_rebuilt(set, walker));
+    report::rows(record, &groups, own, walk)
 }

@@ -1,6 +1,6 @@
 //! Why a method's rays are wrong, shown by taking its known weaknesses away, one after the other, until none is left: what
-//! is right from a rung of this ladder on was wrong for the weakness that the rung took away. A method that samples has one
-//! that no parameter takes away, as nothing is fine enough for the strictest rule: of what is wrong on the last rung of such
+//! is right from a step of this remedy sequence on was wrong for the weakness that the step took away. A method that samples has one
+//! that no parameter takes away, as nothing is fine enough for the strictest rule: of what is wrong on the last step of such
 //! a one, the judge tells the causes.
 
 #[cfg(test)]
@@ -11,40 +11,40 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 use tracebench_api::{Status, TracerError};
 
-use crate::contenders::Remedy;
 use crate::judge::{Class, Rule};
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, Effort, Request, RunError, Told, records};
+use crate::measure::{self, Context, MeasureOptions, Observations, Request, RunError, records};
 use crate::plan::{Plan, TracerRequest};
-use crate::results::{Explained, ExplanationRecord, GIVEN_UP, RemedyRecord, Run, SceneExplained, UNEXPLAINED};
+use crate::registrations::Remedy;
+use crate::results::{Explained, ExplanationRecord, GIVEN_UP, Record, RemedyRecord, SceneExplained, UNEXPLAINED};
 
 /// Why a ray is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cause {
-    /// What a rung takes away, or that its search was given up on the last one.
+    /// What a step takes away, or that its search was given up on the last one.
     Known(&'static str),
-    /// No rung takes it away.
+    /// No step takes it away.
     Left,
 }
 
-/// The cause of a ray's error from whether it was wrong on each rung: the remedy after the last rung on which it was; none
-/// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last rung.
-fn cause(ladder: &[Remedy], wrong: &[bool], given_up: bool) -> Option<Cause> {
+/// The cause of a ray's error from whether it was wrong on each step: the remedy after the last step on which it was; none
+/// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last step.
+fn cause(remedies: &[Remedy], wrong: &[bool], given_up: bool) -> Option<Cause> {
     let last = wrong.iter().rposition(|wrong| *wrong)?;
-    Some(match ladder.get(last) {
+    Some(match remedies.get(last) {
         Some(remedy) => Cause::Known(remedy.cause),
         None if given_up => Cause::Known(GIVEN_UP),
         None => Cause::Left,
     })
 }
 
-/// What was found of a ray set, by rung.
-struct Found {
+/// What was found of a ray set, by step.
+struct RemedyOutcomes {
     /// Whether each ray is wrong.
     wrong: Vec<Vec<bool>>,
-    /// The rays' classes on the first rung.
+    /// The rays' classes on the first step.
     classes: Vec<Class>,
-    /// Whether each ray's search was given up on the last rung.
+    /// Whether each ray's search was given up on the last step.
     given_up: Vec<bool>,
 }
 
@@ -55,52 +55,52 @@ struct Found {
 pub fn execute(
     plan: &Plan,
     request: &TracerRequest,
-    ladder: &[Remedy],
+    remedies: &[Remedy],
     context: &Context<'_>,
-) -> Result<Run, RunError> {
+) -> Result<Record, RunError> {
     let fail = |error: TracerError| RunError::Tracer { tracer: request.name().to_owned(), error };
-    let rungs = rungs(request, ladder).map_err(fail)?;
+    let steps = steps(request, remedies).map_err(fail)?;
     let judged = request.registration.otherwise.is_none();
-    // A rung that changes nothing, as one of six views does where there are six, is what the one before was.
+    // A step that changes nothing, as one of six views does where there are six, is what the one before was.
     let mut places: Vec<usize> = Vec::new();
     let mut requests: Vec<Request> = Vec::new();
-    for rung in &rungs {
-        if requests.last().is_none_or(|last| last.tracer.parameters != rung.parameters) {
-            requests.push(Request::of(rung));
+    for step in &steps {
+        if requests.last().is_none_or(|last| last.tracer.parameters != step.parameters) {
+            requests.push(Request::of(step));
         }
         places.push(requests.len() - 1);
     }
-    let mut run = measure::begin(std::slice::from_ref(plan), context);
+    let mut record = measure::begin(std::slice::from_ref(plan), context);
     let mut scenes = Vec::new();
     for (index, scene) in measure::load(plan, context.progress)?.into_iter().enumerate() {
         if !context.takes(index) {
             continue;
         }
-        let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Told>]| {
-            // A rung that cannot be measured here changes nothing; why it cannot is told below.
-            let mut rungs: Vec<&Told> = Vec::new();
+        let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Observations>]| {
+            // A step that cannot be measured here changes nothing; why it cannot is told below.
+            let mut steps: Vec<&Observations> = Vec::new();
             for place in &places {
-                match told.get(*place).and_then(Option::as_ref).or(rungs.last().copied()) {
-                    Some(told) => rungs.push(told),
+                match told.get(*place).and_then(Option::as_ref).or(steps.last().copied()) {
+                    Some(told) => steps.push(told),
                     None => return Ok(Value::Null),
                 }
             }
-            let found = look(session, request.name(), rays, &rungs)?;
-            let judge = |of: &[usize]| match (judged, rungs.last()) {
+            let found = look(session, request.name(), rays, &steps)?;
+            let judge = |of: &[usize]| match (judged, steps.last()) {
                 (true, Some(last)) => session.causes(request.name(), rays, Rule::Tight, last, of),
                 _ => Ok([(UNEXPLAINED.to_owned(), of.len() as u64)].into()),
             };
-            Ok(serde_json::to_value(explained(ladder, rays, &found, judge)?).unwrap_or_default())
+            Ok(serde_json::to_value(explained(remedies, rays, &found, judge)?).unwrap_or_default())
         };
-        let effort = Effort { validated: false, counted: false, ..Effort::untimed() };
-        let mut found = measure::measure_scene(index, plan, scene, &requests, effort, Some(&hook), context)?;
+        let options = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
+        let mut found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
         let mut left_out = BTreeMap::new();
         for (place, row) in found.rows.iter().enumerate() {
             match (row, place.checked_sub(1).and_then(|_| places.iter().position(|of| *of == place))) {
                 (Ok(_), _) => {}
                 // What a larger device holds.
-                (Err(refusal), Some(rung)) if refusal.too_large => {
-                    let Remedy { parameter, value, .. } = ladder[rung - 1];
+                (Err(refusal), Some(step)) if refusal.too_large => {
+                    let Remedy { parameter, value, .. } = remedies[step - 1];
                     left_out.insert(format!("{parameter}={value}"), refusal.reason.clone());
                 }
                 (Err(refusal), _) => {
@@ -114,37 +114,42 @@ pub fn execute(
         };
         let sets = std::mem::take(&mut found.hooked).into_iter().map(of_set).collect::<Result<Vec<_>, _>>()?;
         scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), left_out, sets });
-        measure::add(&mut run, found);
+        measure::add(&mut record, found);
     }
-    let rung = |remedy: &Remedy| RemedyRecord {
+    let step = |remedy: &Remedy| RemedyRecord {
         cause: remedy.cause.to_owned(),
         parameter: remedy.parameter.to_owned(),
         value: remedy.value.to_owned(),
         source: remedy.source.to_owned(),
     };
-    let ladder = ladder.iter().map(rung).collect();
-    run.explanation = Some(ExplanationRecord { tracer: records::request_record(request), ladder, judged, scenes });
-    Ok(run)
+    let remedies = remedies.iter().map(step).collect();
+    record.explanation = Some(ExplanationRecord { tracer: records::request_record(request), remedies, judged, scenes });
+    Ok(record)
 }
 
-/// The tracer on every rung, first as asked for.
-fn rungs(request: &TracerRequest, ladder: &[Remedy]) -> Result<Vec<TracerRequest>, TracerError> {
-    // Who cannot be measured is told by the rung.
+/// The tracer on every step, first as asked for.
+fn steps(request: &TracerRequest, remedies: &[Remedy]) -> Result<Vec<TracerRequest>, TracerError> {
+    // Who cannot be measured is told by the step.
     let mut request = TracerRequest { required: false, ..request.clone() };
-    let mut rungs = vec![request.clone()];
-    for remedy in ladder {
+    let mut steps = vec![request.clone()];
+    for remedy in remedies {
         request
             .set(remedy.parameter, remedy.value)
             .map_err(|error| TracerError::Failed(format!("{}: {error}", remedy.cause)))?;
-        rungs.push(request.clone());
+        steps.push(request.clone());
     }
-    Ok(rungs)
+    Ok(steps)
 }
 
-/// Notes what is wrong under `tight` on every rung.
-fn look(session: &Session, tracer: &str, rays: &PreparedRays, rungs: &[&Told]) -> Result<Found, RunError> {
-    let mut found = Found { wrong: Vec::new(), classes: Vec::new(), given_up: Vec::new() };
-    for Told { hits, .. } in rungs {
+/// Notes what is wrong under `tight` on every step.
+fn look(
+    session: &Session,
+    tracer: &str,
+    rays: &PreparedRays,
+    steps: &[&Observations],
+) -> Result<RemedyOutcomes, RunError> {
+    let mut found = RemedyOutcomes { wrong: Vec::new(), classes: Vec::new(), given_up: Vec::new() };
+    for Observations { hits, .. } in steps {
         let classes = session.classes(tracer, rays, Rule::Tight, hits)?;
         found.wrong.push(classes.iter().map(|class| class.is_some_and(|class| !class.is_right())).collect());
         found.given_up = hits.iter().map(|hit| hit.status == Status::StepCap as u32).collect();
@@ -155,23 +160,23 @@ fn look(session: &Session, tracer: &str, rays: &PreparedRays, rungs: &[&Told]) -
     Ok(found)
 }
 
-/// Counts what was found; `judge` tells the causes of rays that no rung explains.
+/// Counts what was found; `judge` tells the causes of rays that no step explains.
 fn explained<E>(
-    ladder: &[Remedy],
+    remedies: &[Remedy],
     rays: &PreparedRays,
-    found: &Found,
+    found: &RemedyOutcomes,
     judge: impl Fn(&[usize]) -> Result<BTreeMap<String, u64>, E>,
 ) -> Result<Explained, E> {
     let mut causes: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
-    let (mut of_rung, mut on_the_way, mut unexplained) = (vec![0_u64; found.wrong.len()], 0, 0);
+    let (mut of_step, mut on_the_way, mut unexplained) = (vec![0_u64; found.wrong.len()], 0, 0);
     // By whether they were wrong at first, then class.
     let mut left: BTreeMap<(bool, Class), Vec<usize>> = BTreeMap::new();
     for (ray, class) in found.classes.iter().enumerate() {
-        let of_ray: Vec<bool> = found.wrong.iter().map(|rung| rung[ray]).collect();
-        for (count, wrong) in of_rung.iter_mut().zip(&of_ray) {
+        let of_ray: Vec<bool> = found.wrong.iter().map(|step| step[ray]).collect();
+        for (count, wrong) in of_step.iter_mut().zip(&of_ray) {
             *count += u64::from(*wrong);
         }
-        let Some(cause) = cause(ladder, &of_ray, found.given_up[ray]) else { continue };
+        let Some(cause) = cause(remedies, &of_ray, found.given_up[ray]) else { continue };
         on_the_way += u64::from(!of_ray[0]);
         match cause {
             Cause::Left => left.entry((of_ray[0], *class)).or_default().push(ray),
@@ -194,8 +199,8 @@ fn explained<E>(
         rays_sha256: rays.sha256.clone(),
         query: rays.set.query,
         count: found.classes.len() as u64,
-        ties: rays.answers.iter().filter(|answer| answer.is_ambiguous()).count() as u64,
-        wrong_by_rung: of_rung,
+        ambiguous_rays: rays.answers.iter().filter(|answer| answer.is_ambiguous()).count() as u64,
+        wrong_by_remedy: of_step,
         wrong_on_the_way: on_the_way,
         unexplained,
         causes,

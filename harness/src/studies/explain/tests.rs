@@ -1,4 +1,4 @@
-//! That causes are told from rungs, that the ladder of `dirt` explains every wrong ray of a scene, that a ladder which
+//! That causes are told from steps, that the remedy sequence of `dirt` explains every wrong ray of a scene, that a remedy sequence which
 //! takes nothing away explains none, and that the judge explains what those of sampled methods leave.
 
 use super::*;
@@ -9,32 +9,32 @@ use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{self, Device};
 use crate::results::Judgement;
 use crate::truth::Cache;
-use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset};
+use tracebench_api::{AdapterChoice, Gpu, Preset, TraceTo};
 
-/// Every ladder is of a tracer that there is, and its remedies are parameters with such values; some change what is
+/// Every remedy sequence is of a tracer that there is, and its remedies are parameters with such values; some change what is
 /// published, and none takes back what one before has set.
 #[test]
 fn remedies_are_parameters() {
-    for registration in registry::TRACERS.iter().filter(|each| !each.ladder.is_empty()) {
-        let (ladder, request) = (registration.ladder, TracerRequest::of(registration, Preset::Published));
-        let rungs = rungs(&request, ladder).unwrap();
-        assert_eq!(rungs.len(), ladder.len() + 1);
-        let names = ladder.iter().map(|remedy| remedy.parameter);
-        assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), ladder.len());
-        assert!(rungs[0].parameters != rungs[ladder.len()].parameters);
-        // All are there at a time: what hangs together over rungs is looked at in one race.
-        assert!(rungs.len() <= measure::WINDOW);
+    for registration in registry::TRACERS.iter().filter(|each| !each.remedies.is_empty()) {
+        let (remedies, request) = (registration.remedies, TracerRequest::of(registration, Preset::Published));
+        let steps = steps(&request, remedies).unwrap();
+        assert_eq!(steps.len(), remedies.len() + 1);
+        let names = remedies.iter().map(|remedy| remedy.parameter);
+        assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), remedies.len());
+        assert!(steps[0].parameters != steps[remedies.len()].parameters);
+        // All are there at a time: what hangs together over steps is looked at in one interleaved set.
+        assert!(steps.len() <= measure::MAX_RESIDENT);
     }
 }
 
-/// A ray's cause is what the rung takes away from which on it is right, whatever it was before; on the last rung its status
+/// A ray's cause is what the step takes away from which on it is right, whatever it was before; on the last step its status
 /// tells.
 #[test]
 fn the_last_wrong_rung_tells_the_cause() {
-    let ladder = registry::find("dirt").unwrap().ladder;
-    let of = |rungs: &[usize], given_up| {
-        let wrong: Vec<bool> = (0..=ladder.len()).map(|rung| rungs.contains(&rung)).collect();
-        cause(ladder, &wrong, given_up)
+    let remedies = registry::find("dirt").unwrap().remedies;
+    let of = |steps: &[usize], given_up| {
+        let wrong: Vec<bool> = (0..=remedies.len()).map(|step| steps.contains(&step)).collect();
+        cause(remedies, &wrong, given_up)
     };
     assert_eq!(of(&[], false), None);
     assert_eq!(of(&[0], false), Some(Cause::Known("outside_of_the_views")));
@@ -56,14 +56,14 @@ fn in_the_room(request: &TracerRequest, rays: &[&str]) -> Plan {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }
 
-/// Over a scene, the ladder of `dirt` leaves no ray wrong and names a cause for each that was; counts add up; a ladder that
-/// takes nothing away leaves all of them unexplained.
+/// Over a scene, the remedy sequence of `dirt` leaves no ray wrong and names a cause for each that was; counts add up; a remedy sequence
+/// that takes nothing away leaves all of them unexplained.
 #[test]
 fn the_ladder_of_dirt_explains_every_wrong_ray() {
     let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
@@ -71,11 +71,11 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
     let plan = in_the_room(&request, &["primary", "specular", "ao"]);
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
-    let explain = |ladder: &[Remedy]| {
-        let run = execute(&plan, &request, ladder, &context).unwrap();
-        // The rows of the rungs tell the same numbers of wrong rays as the section.
-        let found = run.explanation.unwrap();
-        let last = run.runs.last().unwrap();
+    let explain = |remedies: &[Remedy]| {
+        let record = execute(&plan, &request, remedies, &context).unwrap();
+        // The rows of the steps tell the same numbers of wrong rays as the section.
+        let found = record.explanation.unwrap();
+        let last = record.rows.last().unwrap();
         for (set, trace) in found.scenes[0].sets.iter().zip(&last.traces) {
             let wrong = match &trace.judgement {
                 Judgement::Closest(closest) => closest.classes.tight.wrong(),
@@ -85,45 +85,45 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         }
         found
     };
-    let found = explain(request.registration.ladder);
+    let found = explain(request.registration.remedies);
     assert!(found.unexplained() == 0 && !found.judged);
     let sets = &found.scenes[0].sets;
     assert_eq!(sets.len(), 3);
-    assert!(sets[0].wrong_by_rung[0] > 0, "nothing to explain");
+    assert!(sets[0].wrong_by_remedy[0] > 0, "nothing to explain");
     for set in sets {
         let explained: u64 = found.causes().iter().map(|cause| set.of_cause(cause)).sum();
-        assert_eq!(explained, set.wrong_by_rung[0], "{}", set.rays);
+        assert_eq!(explained, set.wrong_by_remedy[0], "{}", set.rays);
         assert_eq!(set.of_cause(UNEXPLAINED), 0);
     }
-    // Rays that the last rung gives up are told from those that it gets wrong.
+    // Rays that the last step gives up are told from those that it gets wrong.
     let capped = Remedy { cause: "nothing", parameter: "max_steps", value: "1", source: "" };
     let capped = explain(&[capped]);
-    assert!(capped.unexplained() == 0 && capped.scenes[0].sets[0].wrong_by_rung[1] > 1000);
+    assert!(capped.unexplained() == 0 && capped.scenes[0].sets[0].wrong_by_remedy[1] > 1000);
     let idle = Remedy { cause: "nothing", parameter: "max_steps", value: "4096", source: "" };
     let idle = explain(&[idle]);
-    assert_eq!(idle.unexplained(), found.scenes[0].sets.iter().map(|set| set.wrong_by_rung[0]).sum::<u64>());
-    assert_eq!(idle.scenes[0].sets[0].of_cause(UNEXPLAINED), sets[0].wrong_by_rung[0]);
+    assert_eq!(idle.unexplained(), found.scenes[0].sets.iter().map(|set| set.wrong_by_remedy[0]).sum::<u64>());
+    assert_eq!(idle.scenes[0].sets[0].of_cause(UNEXPLAINED), sets[0].wrong_by_remedy[0]);
 }
 
-/// Of methods that sample the judge tells what their ladders leave: the same number of every cause as it tells of the last rung's row, but for
-/// those rays that were right at first; so that no set has more than the share that may be unexplained.
+/// Of methods that sample the judge tells what their remedy sequences leave: the same number of every cause as it tells of the last step's
+/// row, but for those rays that were right at first; so that no set has more than the share that may be unexplained.
 #[test]
 fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
     let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
-    let sampled = |each: &&registry::Registration| each.otherwise.is_none() && !each.ladder.is_empty();
+    let sampled = |each: &&registry::Registration| each.otherwise.is_none() && !each.remedies.is_empty();
     let names: Vec<&str> = registry::TRACERS.iter().filter(sampled).map(registry::Registration::name).collect();
     assert_eq!(names, ["fragment-abuffer", "voxel-abuffer", "voxel-octree", "quadtree"]);
     for name in names {
         let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
-        let ladder = request.registration.ladder;
-        let run = execute(&in_the_room(&request, &["ao", "random"]), &request, ladder, &context).unwrap();
-        let found = run.explanation.unwrap();
+        let remedies = request.registration.remedies;
+        let record = execute(&in_the_room(&request, &["ao", "random"]), &request, remedies, &context).unwrap();
+        let found = record.explanation.unwrap();
         assert!(found.judged && found.left_open().is_empty(), "{name}");
-        let of_rungs: Vec<&str> = ladder.iter().map(|remedy| remedy.cause).collect();
+        let of_steps: Vec<&str> = remedies.iter().map(|remedy| remedy.cause).collect();
         let mut of_all = 0;
-        for (set, trace) in found.scenes[0].sets.iter().zip(&run.runs.last().unwrap().traces) {
+        for (set, trace) in found.scenes[0].sets.iter().zip(&record.rows.last().unwrap().traces) {
             let causes = trace.judgement.causes();
             let of_row = causes.get("tight").or_else(|| causes.get("occlusion")).unwrap();
             assert_eq!(of_row.values().sum::<u64>(), set.left(), "{name}, {}", set.rays);
@@ -131,13 +131,13 @@ fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
             let (mut explained, mut by_judge) = (0, 0);
             for cause in found.causes() {
                 explained += set.of_cause(cause);
-                if !of_rungs.contains(&cause) {
+                if !of_steps.contains(&cause) {
                     by_judge += set.of_cause(cause);
                     let most = of_row.get(cause).copied().unwrap_or(0);
                     assert!(set.of_cause(cause) <= most, "{name}, {}: {cause}", set.rays);
                 }
             }
-            assert_eq!(explained, set.wrong_by_rung[0], "{name}, {}", set.rays);
+            assert_eq!(explained, set.wrong_by_remedy[0], "{name}, {}", set.rays);
             assert!(by_judge < explained, "{name}, {}: {by_judge} of {explained}", set.rays);
             of_all += by_judge;
         }

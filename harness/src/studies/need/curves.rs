@@ -1,12 +1,12 @@
-//! What follows from structures that were shrunk: how far each thing may shrink, what is needed, stored and touched, and whether a need that
-//! was found in one place serves in others.
+//! What follows from structures that were shrunk: how far each thing may shrink, what is needed, stored and touched, and whether a need
+//! that was found in one place serves in others.
 
 use std::collections::BTreeMap;
 
-use crate::contenders::Touch;
+use crate::registrations::Touch;
 use crate::registry;
 use crate::results::{
-    ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Rule, Run, Timed, TraceRecord, TracerRun, values_label,
+    ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Record, Row, Rule, Timed, TraceRecord, values_label,
 };
 use crate::statistics::paired_difference;
 use crate::studies::tune;
@@ -16,7 +16,7 @@ use itertools::Itertools as _;
 #[derive(Clone, Debug)]
 pub struct Curve<'a> {
     /// Which.
-    pub record: &'a NeedCurve,
+    pub section: &'a NeedCurve,
     /// The ray set.
     pub rays: &'a str,
     /// The structure as it was asked for.
@@ -42,7 +42,7 @@ pub struct Step<'a> {
     /// As the record has it.
     pub point: &'a NeedPoint,
     /// Its row; none where it could not be measured.
-    pub row: Option<&'a TracerRun>,
+    pub row: Option<&'a Row>,
     /// Its trace of the rays.
     pub trace: Option<&'a TraceRecord>,
     /// How its answers differ from those of the whole structure; none of the whole one itself, and of what was not measured.
@@ -50,8 +50,8 @@ pub struct Step<'a> {
     /// How many times as long as of the whole structure its traces take.
     pub times_as_long: Option<Ratio>,
     rule: Rule,
-    most_lost_share: f64,
-    most_times_as_long: f64,
+    max_lost_share: f64,
+    max_slowdown: f64,
 }
 
 /// How far a thing may shrink.
@@ -102,12 +102,12 @@ impl<'a> Step<'a> {
 
     /// Whether the answers are as good as those of the whole structure, as far as so many rays can tell.
     pub fn is_enough(&self) -> bool {
-        self.lost().is_some_and(|(_, [_, upper])| upper <= self.most_lost_share)
+        self.lost().is_some_and(|(_, [_, upper])| upper <= self.max_lost_share)
     }
 
     /// Whether it is that, and its traces do not take much longer.
     pub fn is_enough_in_time(&self) -> bool {
-        let in_time = self.times_as_long.is_none_or(|ratio| ratio.value <= self.most_times_as_long);
+        let in_time = self.times_as_long.is_none_or(|ratio| ratio.value <= self.max_slowdown);
         self.is_enough() && in_time
     }
 
@@ -132,7 +132,7 @@ impl<'a> Step<'a> {
 }
 
 /// The share of what is stored that was touched, of the bytes of what it lies in.
-fn touched(row: &TracerRun, trace: &TraceRecord, touch: &Touch) -> Option<f64> {
+fn touched(row: &Row, trace: &TraceRecord, touch: &Touch) -> Option<f64> {
     let counter = trace.counters.get(touch.counter)?;
     let stored = row.structure_statistics.get(touch.stored).filter(|stored| **stored > 0.0)?;
     let part = |name: &&'static str| row.memory.structure.iter().find(|part| part.name == *name);
@@ -166,12 +166,12 @@ impl<'a> Axis<'a> {
 }
 
 impl<'a> Curve<'a> {
-    /// The most that may be lost without a single answer that changed, by the upper end of the interval over so many rays; where that is more than is
-    /// allowed, steps may fail for want of rays.
+    /// The most that may be lost without a single answer that changed, by the upper end of the interval over so many rays; where that is
+    /// more than is allowed, steps may fail for want of rays.
     pub fn unseen_loss(&self) -> Option<(u64, f64)> {
         let rays = self.steps().find_map(|step| step.changed)?.rays;
         let (_, [_, upper]) = paired_difference(0, 0, rays)?;
-        (upper > self.whole.most_lost_share).then_some((rays, upper))
+        (upper > self.whole.max_lost_share).then_some((rays, upper))
     }
 
     /// Every smaller structure.
@@ -209,37 +209,38 @@ impl<'a> Curve<'a> {
 }
 
 /// Every curve of a record, by ray set.
-pub fn curves<'a>(run: &'a Run, record: &'a NeedRecord) -> Vec<Curve<'a>> {
-    let of = |curve: &'a NeedCurve| of_record(run, curve, record.most_lost_share, record.most_times_as_long);
-    record.curves.iter().flat_map(of).collect()
+pub fn curves<'a>(record: &'a Record, section: &'a NeedRecord) -> Vec<Curve<'a>> {
+    let of = |curve: &'a NeedCurve| of_record(record, curve, section.max_lost_share, section.max_slowdown);
+    section.curves.iter().flat_map(of).collect()
 }
 
 /// The curves of one tracer in one place.
 pub(super) fn of_record<'a>(
-    run: &'a Run,
+    record: &'a Record,
     curve: &'a NeedCurve,
-    most_lost_share: f64,
-    most_times_as_long: f64,
+    max_lost_share: f64,
+    max_slowdown: f64,
 ) -> Vec<Curve<'a>> {
-    let rows: Vec<&TracerRun> = run.runs.iter().filter(|row| curve.holds(row)).collect();
+    let rows: Vec<&Row> = record.rows.iter().filter(|row| curve.holds(row)).collect();
     let Some(whole) = curve.points.first() else { return Vec::new() };
     let Some(own) = rows.iter().copied().find(|row| whole.is_of(row)) else { return Vec::new() };
     let step = |point: &'a NeedPoint, rays: &str| {
         let row = rows.iter().copied().find(|row| point.is_of(row));
-        let trace_of = |row: &'a TracerRun| row.traces.iter().find(|trace| trace.rays == rays);
+        let trace_of = |row: &'a Row| row.traces.iter().find(|trace| trace.rays == rays);
         let trace = row.and_then(trace_of);
         let changed = point.changed.get(rays).copied().filter(|_| !point.shrunk.is_empty());
-        // The whole structure that was timed beside it: it stands in every place of the tracer.
+        // The whole structure that was timed beside it: it is in every place of the tracer.
         let beside = trace.and_then(|trace| {
-            let same_race =
-                |row: &&TracerRun| trace_of_rays(row, rays).is_some_and(|own| own.times.race == trace.times.race);
-            rows.iter().copied().filter(|row| whole.is_of(row)).find(same_race)
+            let same_interleaved_set = |row: &&Row| {
+                trace_of_rays(row, rays).is_some_and(|own| own.times.interleaved_set == trace.times.interleaved_set)
+            };
+            rows.iter().copied().filter(|row| whole.is_of(row)).find(same_interleaved_set)
         });
         let times_as_long = row.zip(trace).zip(beside).and_then(|((row, trace), beside)| {
             let other = trace_of(beside)?;
-            run.paired(&Timed::trace(row, trace), &Timed::trace(beside, other)).ratio
+            record.paired(&Timed::trace(row, trace), &Timed::trace(beside, other)).ratio
         });
-        Step { point, row, trace, changed, times_as_long, rule: curve.rule, most_lost_share, most_times_as_long }
+        Step { point, row, trace, changed, times_as_long, rule: curve.rule, max_lost_share, max_slowdown }
     };
     let of_set = |trace: &'a TraceRecord| {
         let rays = trace.rays.as_str();
@@ -263,12 +264,12 @@ pub(super) fn of_record<'a>(
                 }
             }
         }
-        Curve { record: curve, rays, whole: step(whole, rays), axes, joint }
+        Curve { section: curve, rays, whole: step(whole, rays), axes, joint }
     };
     own.traces.iter().map(of_set).collect()
 }
 
-fn trace_of_rays<'r>(row: &'r TracerRun, rays: &str) -> Option<&'r TraceRecord> {
+fn trace_of_rays<'r>(row: &'r Row, rays: &str) -> Option<&'r TraceRecord> {
     row.traces.iter().find(|trace| trace.rays == rays)
 }
 
@@ -279,15 +280,15 @@ pub fn transfers<'a>(curves: &[Curve<'a>]) -> Vec<Transfer<'a>> {
     for from in curves {
         for values in from.needs() {
             for to in curves {
-                let same = (&to.record.tracer, &to.record.preset, to.rays)
-                    == (&from.record.tracer, &from.record.preset, from.rays);
-                if !same || std::ptr::eq(from.record, to.record) {
+                let same = (&to.section.tracer, &to.section.preset, to.rays)
+                    == (&from.section.tracer, &from.section.preset, from.rays);
+                if !same || std::ptr::eq(from.section, to.section) {
                     continue;
                 }
                 let step = to.steps().find(|step| step.point.shrunk == *values);
                 let lost = step.and_then(Step::lost);
                 let serves = lost.and(step).map(Step::is_enough);
-                found.push(Transfer { from: from.record, to: to.record, rays: from.rays, values, lost, serves });
+                found.push(Transfer { from: from.section, to: to.section, rays: from.rays, values, lost, serves });
             }
         }
     }

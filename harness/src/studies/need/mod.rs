@@ -16,19 +16,19 @@ use serde_json::Value;
 
 pub use curves::{Axis, Curve, Need, Step, Transfer, curves, transfers};
 
-use crate::contenders::Shrink;
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, Effort, Measured, Request, RunError, Told, WINDOW, records};
+use crate::measure::{self, Context, MAX_RESIDENT, MeasureOptions, Measured, Observations, Request, RunError, records};
 use crate::plan::{Plan, Resolution, RunPreset, TracerRequest, ViewRequest};
-use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Run, Skipped};
+use crate::registrations::Shrink;
+use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Record, Skipped};
 use crate::studies::sweep::{Multiple, RESOLUTION};
 
 /// A structure is too small when the upper end of the interval of newly wrong less newly right rays is beyond this share.
-pub const MOST_LOST_SHARE: f64 = 0.001;
+pub const MAX_LOST_SHARE: f64 = 0.001;
 
 /// By the second measure also when its traces take more times as long.
-pub const MOST_TIMES_AS_LONG: f64 = 1.25;
+pub const MAX_SLOWDOWN: f64 = 1.25;
 
 /// Places of a tracer in a scene: two viewpoints, and of each the single steps and then several at once.
 const PLACES: usize = 4;
@@ -91,7 +91,7 @@ pub fn steps(request: &TracerRequest, preset: RunPreset) -> Vec<Shrunk> {
     for shrink in request.registration.shrinks.iter().filter(matters) {
         all.extend(smaller(request, shrink).into_iter().filter_map(|value| single(shrink, value)));
     }
-    all.truncate(WINDOW);
+    all.truncate(MAX_RESIDENT);
     all
 }
 
@@ -105,10 +105,10 @@ fn changes(
     session: &Session,
     request: &TracerRequest,
     rays: &PreparedRays,
-    told: &[Option<Told>],
+    told: &[Option<Observations>],
 ) -> Result<Vec<Option<ChangedRays>>, RunError> {
-    let right = |told: &Option<Told>| -> Result<Option<Vec<Option<bool>>>, RunError> {
-        let Some(Told { hits, .. }) = told else { return Ok(None) };
+    let right = |told: &Option<Observations>| -> Result<Option<Vec<Option<bool>>>, RunError> {
+        let Some(Observations { hits, .. }) = told else { return Ok(None) };
         let classes = session.classes(request.name(), rays, rule_of(request), hits)?;
         Ok(Some(classes.into_iter().map(|class| class.map(|class| class.is_right())).collect()))
     };
@@ -137,27 +137,26 @@ fn changed(first: &[Option<bool>], own: &[Option<bool>]) -> ChangedRays {
 ///
 /// # Errors
 /// As [`measure::execute`].
-pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Run, RunError> {
+pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Record, RunError> {
     // What is wrong with the last scene is said before the first is measured.
     drop(measure::load(plan, context.progress)?);
     context.check_rays(plan, required)?;
-    let mut run = measure::begin(std::slice::from_ref(plan), context);
-    let mut record =
-        NeedRecord { most_lost_share: MOST_LOST_SHARE, most_times_as_long: MOST_TIMES_AS_LONG, curves: Vec::new() };
+    let mut record = measure::begin(std::slice::from_ref(plan), context);
+    let mut section = NeedRecord { max_lost_share: MAX_LOST_SHARE, max_slowdown: MAX_SLOWDOWN, curves: Vec::new() };
     for (index, source) in plan.scenes.iter().enumerate().filter(|(index, _)| context.takes(*index)) {
         let own = plan.view.clone();
         for (view, wanted) in [own.clone(), ViewRequest::Other(Box::new(own))].into_iter().enumerate() {
             let here = Plan { scenes: vec![source.clone()], view: wanted, ..plan.clone() };
             for (place, request) in plan.tracers.iter().enumerate() {
                 let index = PLACES * (index * plan.tracers.len() + place) + 2 * view;
-                let before = joint_before(&record.curves, request);
-                match curve(index, &here, view as u32, (request, &before), &mut run, context) {
-                    Ok(curve) => record.curves.extend(curve),
+                let before = joint_before(&section.curves, request);
+                match curve(index, &here, view as u32, (request, &before), &mut record, context) {
+                    Ok(curve) => section.curves.extend(curve),
                     Err(error @ RunError::NoOtherView { .. }) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
                         let known = Skipped { tracer: None, scene, rays: None, reason };
-                        if !run.skipped.contains(&known) {
-                            run.skipped.push(known);
+                        if !record.skipped.contains(&known) {
+                            record.skipped.push(known);
                         }
                     }
                     Err(error) => return Err(error),
@@ -165,19 +164,19 @@ pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Run
             }
         }
     }
-    for curve in &record.curves {
+    for curve in &section.curves {
         for point in &curve.points {
             if let Some(reason) = point.skipped.clone() {
                 let tracer = Some(format!("{} {}", curve.tracer, point.label()).trim_end().to_owned());
-                run.skipped.push(Skipped { tracer, scene: curve.scene.clone(), rays: None, reason });
+                record.skipped.push(Skipped { tracer, scene: curve.scene.clone(), rays: None, reason });
             }
         }
     }
-    if run.runs.is_empty() && context.shard.is_none() {
-        return Err(measure::nothing(&run));
+    if record.rows.is_empty() && context.shard.is_none() {
+        return Err(measure::nothing(&record));
     }
-    run.need = Some(record);
-    Ok(run)
+    record.need = Some(section);
+    Ok(record)
 }
 
 /// One tracer in one scene from one viewpoint.
@@ -186,7 +185,7 @@ fn curve(
     plan: &Plan,
     view: u32,
     (request, before): (&TracerRequest, &[BTreeMap<String, String>]),
-    run: &mut Run,
+    record: &mut Record,
     context: &Context<'_>,
 ) -> Result<Option<NeedCurve>, RunError> {
     let singles = steps(request, plan.preset);
@@ -202,19 +201,19 @@ fn curve(
         rule: rule_of(request),
         points,
     };
-    measure::add(run, found);
+    measure::add(record, found);
     // As far as each axis may shrink alone, all at once: by ray set, and by both measures.
-    let mut together = joint(run, &curve);
+    let mut together = joint(record, &curve);
     // What was found together elsewhere is tried here as well.
     let further = before.iter().filter(|values| !together.contains(values)).cloned().collect::<Vec<_>>();
     together.extend(further);
     let mut joints: Vec<Shrunk> = singles.first().cloned().into_iter().collect();
     joints.extend(together.into_iter().filter_map(|values| shrunk(request, plan.preset, values)));
-    joints.truncate(WINDOW);
+    joints.truncate(MAX_RESIDENT);
     let found = if joints.len() > 1 { place(index + 1, plan, request, &joints, context)? } else { None };
     if let Some((found, points)) = found {
         curve.points.extend(points.into_iter().skip(1));
-        measure::add(run, found);
+        measure::add(record, found);
     }
     Ok(Some(curve))
 }
@@ -227,10 +226,10 @@ fn joint_before(curves: &[NeedCurve], request: &TracerRequest) -> Vec<BTreeMap<S
 }
 
 /// What several axes have at once, each as far as it may shrink alone; only where that is more than one.
-fn joint(run: &Run, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
+fn joint(record: &Record, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
     let mut joints: Vec<BTreeMap<String, String>> = Vec::new();
-    let aligned = run.aligned();
-    for told in curves::of_record(&aligned, curve, MOST_LOST_SHARE, MOST_TIMES_AS_LONG) {
+    let aligned = record.aligned();
+    for told in curves::of_record(&aligned, curve, MAX_LOST_SHARE, MAX_SLOWDOWN) {
         for in_time in [false, true] {
             let smallest = |axis: &Axis<'_>| {
                 let need = if in_time { axis.need_in_time() } else { axis.need() };
@@ -255,12 +254,12 @@ fn place(
 ) -> Result<Option<(Measured, Vec<NeedPoint>)>, RunError> {
     let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
     let requests: Vec<Request> = structures.iter().map(|each| Request::of(&each.request)).collect();
-    let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Told>]| {
+    let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Observations>]| {
         let found = (rays.set.name, changes(session, request, rays, told)?);
         Ok(serde_json::to_value(found).unwrap_or_default())
     };
-    let effort = Effort::timed(plan);
-    let mut found = measure::measure_scene(index, plan, scene, &requests, effort, Some(&hook), context)?;
+    let options = MeasureOptions::timed(plan);
+    let mut found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
     let of_set = |told: Value| {
         serde_json::from_value::<(String, Vec<Option<ChangedRays>>)>(told)
             .map_err(|error| RunError::Nothing(error.to_string()))

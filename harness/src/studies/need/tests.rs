@@ -1,6 +1,6 @@
 //! Needs over planted counts, and a small study that is really measured.
 
-use tracebench_api::{AdapterChoice, ClockKind, EndPoint, Gpu, Preset, Query, Value as Parameter};
+use tracebench_api::{AdapterChoice, ClockKind, Gpu, Preset, Query, TraceTo, Value as Parameter};
 
 use super::*;
 use crate::measure::Journal;
@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{self, Device, TRACERS};
 use crate::report::fixture::{self, Quality};
-use crate::results::{Sampling, TracerRun};
+use crate::results::{Row, SampleSchedule};
 use crate::truth::Cache;
 
 fn preset() -> RunPreset {
@@ -24,7 +24,7 @@ fn steps_are_of_rooms() {
         for preset_of in Preset::ALL {
             let request = TracerRequest::of(registration, preset_of);
             let all = steps(&request, preset());
-            assert!(all[0].values.is_empty() && all.len() <= WINDOW, "{}", request.name());
+            assert!(all[0].values.is_empty() && all.len() <= MAX_RESIDENT, "{}", request.name());
             assert!(all[1..].iter().all(|step| step.values.len() == 1 && !step.request.required));
             for shrink in registration.shrinks {
                 // What changes nothing is no smaller structure.
@@ -79,10 +79,10 @@ fn rays_are_their_own_controls() {
 const RAYS: u64 = 100_000;
 
 /// A made-up tracer whose smaller structures lose so many rays and take so many times as long: by buckets 8, 4, 2.
-fn planted(viewpoint: &str, view: u32, lost: [u64; 3], times: [f64; 3]) -> (Vec<TracerRun>, NeedCurve) {
+fn planted(viewpoint: &str, view: u32, lost: [u64; 3], times: [f64; 3]) -> (Vec<Row>, NeedCurve) {
     let quality = |factor: f64| Quality { missed: 0.0, blur: 1e-9, speed: 8.0 / factor, clock: ClockKind::Host };
     let named: Vec<(&str, Quality)> = [1.0].iter().chain(&times).map(|factor| ("dirt", quality(*factor))).collect();
-    let mut rows = fixture::run(&named, &[("diffuse", Query::Closest)]).runs;
+    let mut rows = fixture::run(&named, &[("diffuse", Query::Closest)]).rows;
     let buckets = ["24", "8", "4", "2"];
     for (row, (value, mib)) in rows.iter_mut().zip(buckets.iter().zip([64_u64, 32, 16, 8])) {
         row.tracer.parameters.insert("buckets".to_owned(), serde_json::json!(value));
@@ -114,8 +114,8 @@ fn planted(viewpoint: &str, view: u32, lost: [u64; 3], times: [f64; 3]) -> (Vec<
     (rows, curve)
 }
 
-fn record(curves: Vec<NeedCurve>) -> NeedRecord {
-    NeedRecord { most_lost_share: MOST_LOST_SHARE, most_times_as_long: MOST_TIMES_AS_LONG, curves }
+fn section_of(curves: Vec<NeedCurve>) -> NeedRecord {
+    NeedRecord { max_lost_share: MAX_LOST_SHARE, max_slowdown: MAX_SLOWDOWN, curves }
 }
 
 /// Proves that a thing may shrink up to the step before the first whose interval's upper end is beyond the limit, whatever comes
@@ -124,10 +124,10 @@ fn record(curves: Vec<NeedCurve>) -> NeedRecord {
 fn needs_end_before_the_first_loss() {
     let of = |lost: [u64; 3], times: [f64; 3]| {
         let (rows, curve) = planted("door", 0, lost, times);
-        let mut run = fixture::run(&[], &[]);
-        (run.runs, run.need) = (rows, Some(record(vec![curve])));
-        let record = run.need.as_ref().unwrap();
-        let curves = curves(&run, record);
+        let mut record = fixture::run(&[], &[]);
+        (record.rows, record.need) = (rows, Some(section_of(vec![curve])));
+        let section = record.need.as_ref().unwrap();
+        let curves = curves(&record, section);
         let [curve] = &curves[..] else { panic!("one") };
         let axis = &curve.axes[0];
         let mib = |in_time| curve.needed(in_time).bytes().unwrap() >> 20;
@@ -146,7 +146,8 @@ fn needs_end_before_the_first_loss() {
     assert_eq!(of([0, 0, 0], [1.0, 1.5, 1.0]).3, 32);
 }
 
-/// Proves that rays are called few where even answers that all stay the same leave room for a greater loss than is allowed, and many are not.
+/// Proves that rays are called few where even answers that all stay the same leave room for a greater loss than is allowed, and many are
+/// not.
 #[test]
 fn few_rays_leave_losses_unseen() {
     let unseen = |rays| {
@@ -156,9 +157,9 @@ fn few_rays_leave_losses_unseen() {
                 *changed = ChangedRays { rays, newly_wrong: 0, newly_right: 0 };
             }
         }
-        let mut run = fixture::run(&[], &[]);
-        (run.runs, run.need) = (rows, Some(record(vec![curve])));
-        let curves = curves(&run, run.need.as_ref().unwrap());
+        let mut record = fixture::run(&[], &[]);
+        (record.rows, record.need) = (rows, Some(section_of(vec![curve])));
+        let curves = curves(&record, record.need.as_ref().unwrap());
         (curves[0].unseen_loss(), curves[0].needed(false).bytes())
     };
     assert_eq!(unseen(100_000), (None, Some(8 << 20)));
@@ -174,56 +175,56 @@ fn what_is_larger_is_no_step() {
     for lost in [0, 500] {
         let (mut rows, curve) = planted("door", 0, [lost, 0, 500], [1.0; 3]);
         rows[1].memory.structure_bytes = 65 << 20;
-        let mut run = fixture::run(&[], &[]);
-        (run.runs, run.need) = (rows, Some(record(vec![curve])));
-        let curves = curves(&run, run.need.as_ref().unwrap());
+        let mut record = fixture::run(&[], &[]);
+        (record.rows, record.need) = (rows, Some(section_of(vec![curve])));
+        let curves = curves(&record, record.need.as_ref().unwrap());
         let need = curves[0].axes[0].need();
         assert_eq!((need.smallest, need.too_small), (Some("4"), Some("2")));
         assert_eq!(curves[0].needed(false).bytes(), Some(16 << 20));
     }
 }
 
-/// Proves that a need which was found from one viewpoint is held against what the same does from another, and the other way round, that
-/// it serves where that loses as little, and that it is held against nothing where the same was not measured.
+/// Proves that a need which was found from one viewpoint is compared with what the same does from another, and the other way round, that
+/// it serves where that loses as little, and that it is compared with nothing where the same was not measured.
 #[test]
 fn needs_are_tried_elsewhere() {
     let even = [1.0; 3];
     let (mut rows, here) = planted("door", 0, [0, 0, 500], even);
     let (others, there) = planted("window", 1, [0, 500, 500], even);
     rows.extend(others);
-    let mut run = fixture::run(&[], &[]);
-    run.runs = rows;
-    run.need = Some(record(vec![here, there]));
-    let of = |run: &Run| {
-        let curves = curves(run, run.need.as_ref().unwrap());
+    let mut record = fixture::run(&[], &[]);
+    record.rows = rows;
+    record.need = Some(section_of(vec![here, there]));
+    let of = |record: &Record| {
+        let curves = curves(record, record.need.as_ref().unwrap());
         let told = |each: &Transfer<'_>| (each.from.viewpoint.clone(), each.values_label(), each.serves);
         transfers(&curves).iter().map(told).collect::<Vec<_>>()
     };
     let expected = |from: &str, value: &str, serves| (from.to_owned(), format!("buckets={value}"), serves);
-    assert_eq!(of(&run), [expected("door", "4", Some(false)), expected("window", "8", Some(true))]);
-    run.need.as_mut().unwrap().curves[1].points[2].changed.clear();
-    assert_eq!(of(&run)[0], expected("door", "4", None));
+    assert_eq!(of(&record), [expected("door", "4", Some(false)), expected("window", "8", Some(true))]);
+    record.need.as_mut().unwrap().curves[1].points[2].changed.clear();
+    assert_eq!(of(&record)[0], expected("door", "4", None));
     // Several things at once, where they are the smallest that is enough.
-    let mut together = run.clone();
+    let mut together = record.clone();
     for (curve, newly_wrong) in together.need.as_mut().unwrap().curves.iter_mut().zip([0, 700]) {
         let mut point = curve.points[2].clone();
         point.shrunk.insert("layers".to_owned(), "1".to_owned());
         point.parameters.insert("layers".to_owned(), 1.into());
         point.changed.insert("diffuse".to_owned(), ChangedRays { rays: 100_000, newly_wrong, newly_right: 0 });
         let whole = &curve.points[2];
-        let row = together.runs.iter().find(|row| curve.holds(row) && whole.is_of(row)).unwrap();
+        let row = together.rows.iter().find(|row| curve.holds(row) && whole.is_of(row)).unwrap();
         let mut row = row.clone();
         row.tracer.parameters.clone_from(&point.parameters);
         row.memory.structure_bytes = 1 << 20;
-        together.runs.push(row);
+        together.rows.push(row);
         curve.points.push(point);
     }
     let told = of(&together);
     let values = "buckets=4 layers=1".to_owned();
     assert!(told.contains(&("door".to_owned(), values.clone(), Some(false))), "{told:?}");
     assert!(!told.contains(&("window".to_owned(), values, Some(true))), "{told:?}");
-    run.need.as_mut().unwrap().curves[1].tracer = "other".to_owned();
-    assert!(of(&run).is_empty());
+    record.need.as_mut().unwrap().curves[1].tracer = "other".to_owned();
+    assert!(of(&record).is_empty());
 }
 
 fn plan() -> Plan {
@@ -234,11 +235,11 @@ fn plan() -> Plan {
         tracers: names.map(|name| TracerRequest::of(registry::find(name).unwrap(), Preset::Published)).to_vec(),
         ray_sets: RAY_SETS.iter().filter(|set| ["primary", "ao"].contains(&set.name)).copied().collect(),
         ray_parameters: default_parameters(),
-        preset: RunPreset { ray_image: [32, 16], sampling: Sampling::rounds(1), ..smoke },
+        preset: RunPreset { ray_image: [32, 16], sampling: SampleSchedule::rounds(1), ..smoke },
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 3,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
@@ -252,20 +253,20 @@ fn counts_are_those_of_rows() {
     let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
-    let run = execute(&plan(), false, &context).unwrap();
-    let record = run.need.as_ref().unwrap();
-    let told: Vec<(&str, u32)> = record.curves.iter().map(|curve| (curve.tracer.as_str(), curve.view)).collect();
+    let record = execute(&plan(), false, &context).unwrap();
+    let section = record.need.as_ref().unwrap();
+    let told: Vec<(&str, u32)> = section.curves.iter().map(|curve| (curve.tracer.as_str(), curve.view)).collect();
     assert_eq!(told, [("bvh-cpu", 0), ("screen-dda", 0), ("bvh-cpu", 1), ("screen-dda", 1)]);
-    assert_eq!(record.curves[0].points.len(), 1);
-    assert_eq!((record.curves[0].rule, record.curves[1].rule), (Rule::Tight, Rule::Footprint));
-    let curves = curves(&run, record);
+    assert_eq!(section.curves[0].points.len(), 1);
+    assert_eq!((section.curves[0].rule, section.curves[1].rule), (Rule::Tight, Rule::Footprint));
+    let curves = curves(&record, section);
     assert_eq!(curves.len(), 8);
     let wrong = |step: &Step<'_>| match &step.trace.unwrap().judgement {
         crate::results::Judgement::Closest(closest) => closest.classes.footprint.wrong(),
         crate::results::Judgement::Any(any) => any.occlusion.false_free + any.occlusion.false_occluded,
     };
     let mut compared = 0;
-    for curve in curves.iter().filter(|curve| curve.record.tracer == "screen-dda") {
+    for curve in curves.iter().filter(|curve| curve.section.tracer == "screen-dda") {
         for step in curve.axes.iter().flat_map(|axis| &axis.steps) {
             let ChangedRays { newly_wrong, newly_right, rays } = step.changed.unwrap();
             assert_eq!(wrong(step) + newly_right, wrong(&curve.whole) + newly_wrong);
@@ -277,7 +278,7 @@ fn counts_are_those_of_rows() {
         assert!(curve.whole.touched_bytes().unwrap() <= curve.whole.bytes().unwrap() as f64);
     }
     assert!(compared > 0);
-    let own = curves.iter().find(|curve| curve.record.tracer == "bvh-cpu").unwrap();
+    let own = curves.iter().find(|curve| curve.section.tracer == "bvh-cpu").unwrap();
     assert!(own.axes.is_empty() && own.needed(false).bytes() == own.whole.bytes());
     let touched = own.whole.touched_bytes().unwrap();
     assert!(touched > 0.0 && touched < own.whole.bytes().unwrap() as f64);

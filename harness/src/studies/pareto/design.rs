@@ -12,7 +12,7 @@ use tracebench_api::{Domain, Invalidation, ParameterDescription, Value};
 
 use crate::measure::records;
 use crate::plan::{Resolution, RunPreset, TracerRequest};
-use crate::results::{FrontPoint, RAYS_PER_LANE, READS};
+use crate::results::{FrontPoint, MEMORY_ACCESS, RAYS_PER_LANE};
 use crate::studies::sweep::{Multiple, RESOLUTION, SweepError};
 
 /// Multiples of the resolution, from the nearest to the preset's outwards.
@@ -42,8 +42,8 @@ pub struct Designed {
 pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
     let description = (request.registration.describe)();
     let taken = |name: &str| {
-        ![READS, RAYS_PER_LANE].contains(&name)
-            && !request.registration.aside.contains(&name)
+        ![MEMORY_ACCESS, RAYS_PER_LANE].contains(&name)
+            && !request.registration.excluded_from_fronts.contains(&name)
             && request.registration.can_matter(name, &request.parameters)
     };
     let of_resolution = description.invalidated_by.contains(&Invalidation::Resolution);
@@ -101,7 +101,7 @@ pub fn order(axes: &[Axis]) -> Vec<BTreeMap<String, String>> {
     let mut pairs: Vec<BTreeMap<String, String>> = Vec::new();
     for round in 0..rounds {
         singles.extend(axes.iter().filter_map(|axis| Some(BTreeMap::from([change(axis, round)?]))));
-        // Every axis with the next, then with the next but one, and so on round the circle: each stands in two pairs of a turn.
+        // Every axis with the next, then with the next but one, and so on round the circle: each is in two pairs of a turn.
         for shift in 1..=axes.len() / 2 {
             let firsts = if 2 * shift == axes.len() { shift } else { axes.len() };
             for first in 0..firsts {
@@ -257,13 +257,13 @@ mod tests {
         assert_eq!(axes[1].name, "tile_size");
         assert_eq!(steps("buckets").as_deref(), Some("16 32 8 40 4 1"));
         assert_eq!(steps(RESOLUTION).as_deref(), Some("1/2 2 1/4 1/8"));
-        for aside in ["near", "reads", "rays_per_lane"] {
-            assert_eq!(steps(aside), None, "{aside}");
+        for excluded_from_fronts in ["near", "memory_access", "rays_per_lane"] {
+            assert_eq!(steps(excluded_from_fronts), None, "{excluded_from_fronts}");
         }
         for registration in TRACERS {
             let described = (registration.describe)();
             let known = |name: &str| described.parameters.iter().any(|each| each.name == name);
-            assert!(registration.aside.iter().all(|name| known(name)), "{}", described.name);
+            assert!(registration.excluded_from_fronts.iter().all(|name| known(name)), "{}", described.name);
             let request = TracerRequest::of(registration, Preset::Published);
             let names = registration.matters.iter().flat_map(|each| each.what.iter().chain([&each.by]));
             assert!(names.into_iter().all(|name| *name == RESOLUTION || known(name)), "{}", described.name);

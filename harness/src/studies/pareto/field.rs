@@ -3,9 +3,9 @@
 use itertools::Itertools as _;
 use tracebench_api::{ClockKind, Query};
 
-use super::front::{Spot, Standing, front, standings};
+use super::front::{CostAndError, FrontStatus, front, front_statuses};
 use crate::results::{
-    FrontPoint, FrontScene, Judgement, ParetoRecord, Rule, Run, Timed, Times, TraceRecord, TracerRun, ViewpointRecord,
+    FrontPoint, FrontScene, Judgement, ParetoRecord, Record, Row, Rule, Timed, Times, TraceRecord, ViewpointRecord,
     same_rays,
 };
 use crate::statistics::{median, median_interval, rule_of_three};
@@ -42,14 +42,14 @@ impl Amount {
 }
 
 /// A time by the host's clock, which every method has: of work on a device from submission until done, milliseconds; `None` where
-/// nothing was timed, or times are void.
+/// nothing was timed, or times are invalid.
 pub fn on_host(times: &Times) -> Option<Amount> {
     let samples = match times.clock {
         ClockKind::Host => &times.samples_ms,
         ClockKind::DeviceTimestamps | ClockKind::SubmitToDone => &times.submit_to_done_samples_ms,
     };
     let value = median(samples);
-    let sound = times.void.is_none() && value.is_finite() && value > 0.0;
+    let sound = times.invalid.is_none() && value.is_finite() && value > 0.0;
     sound.then(|| Amount { value, interval: median_interval(samples).0 })
 }
 
@@ -138,7 +138,7 @@ impl Wrong {
         Some(Self { share, bound: bound(trace) })
     }
 
-    /// The share as it is drawn and held against others: not below what can be told from none.
+    /// The share as it is drawn and compared with others: not below what can be told from none.
     pub fn drawn(&self) -> f64 {
         self.share.value.max(self.bound)
     }
@@ -170,7 +170,7 @@ pub struct Entry<'a> {
     /// The point.
     pub point: &'a FrontPoint,
     /// Its row.
-    pub row: &'a TracerRun,
+    pub row: &'a Row,
     /// Its trace of the rays.
     pub trace: &'a TraceRecord,
 }
@@ -178,7 +178,7 @@ pub struct Entry<'a> {
 /// All points over one ray set in one place.
 #[derive(Clone, Debug)]
 pub struct Field<'a> {
-    run: &'a Run,
+    record: &'a Record,
     /// The scene.
     pub scene: &'a FrontScene,
     /// The viewpoint, by which frame and faces of rows do not count.
@@ -192,11 +192,11 @@ pub struct Field<'a> {
     /// Points that were measured, in the order of the record.
     pub entries: Vec<Entry<'a>>,
     /// The controls on the same rays; they are part of no front.
-    pub controls: Vec<(&'a TracerRun, &'a TraceRecord)>,
+    pub controls: Vec<(&'a Row, &'a TraceRecord)>,
 }
 
 /// Whether a row was measured from a viewpoint with its rays; frame and faces are the row's own.
-pub(super) fn is_at(row: &TracerRun, scene: &FrontScene, viewpoint: &ViewpointRecord) -> bool {
+pub(super) fn is_at(row: &Row, scene: &FrontScene, viewpoint: &ViewpointRecord) -> bool {
     let bare = |of: &ViewpointRecord| ViewpointRecord { frame: [0; 2], face: 0, ..of.clone() };
     row.scene.sha256 == scene.scene.sha256
         && row.scene.name == scene.scene.name
@@ -218,29 +218,29 @@ pub(super) fn sees_nothing(trace: &TraceRecord) -> bool {
 
 /// Every ray set that was traced from a scene's viewpoint and hit anything, in the order of first appearance.
 pub fn fields<'a>(
-    run: &'a Run,
-    record: &'a ParetoRecord,
+    record: &'a Record,
+    section: &'a ParetoRecord,
     scene: &'a FrontScene,
     viewpoint: &'a ViewpointRecord,
 ) -> Vec<Field<'a>> {
-    let rows: Vec<&TracerRun> =
-        run.runs.iter().filter(|row| row.way.is_none() && is_at(row, scene, viewpoint)).collect();
+    let rows: Vec<&Row> =
+        record.rows.iter().filter(|row| row.update_mode.is_none() && is_at(row, scene, viewpoint)).collect();
     let mut fields: Vec<Field<'a>> = Vec::new();
-    for (index, point) in record.points.iter().enumerate() {
+    for (index, point) in section.points.iter().enumerate() {
         let Some(row) = rows.iter().copied().find(|row| point.is_of(row)) else { continue };
         for trace in row.traces.iter().filter(|trace| !sees_nothing(trace)) {
             let entry = Entry { index, point, row, trace };
             match fields.iter_mut().find(|field| field.rays == trace.rays) {
                 Some(field) => field.entries.push(entry),
                 None => fields.push(Field {
-                    run,
+                    record,
                     scene,
                     viewpoint,
                     rays: &trace.rays,
                     query: trace.query,
                     count: trace.count,
                     entries: vec![entry],
-                    controls: controls(run, scene, viewpoint, trace),
+                    controls: controls(record, scene, viewpoint, trace),
                 }),
             }
         }
@@ -250,13 +250,13 @@ pub fn fields<'a>(
 
 /// The controls beside a trace.
 fn controls<'a>(
-    run: &'a Run,
+    record: &'a Record,
     scene: &FrontScene,
     viewpoint: &ViewpointRecord,
     trace: &TraceRecord,
-) -> Vec<(&'a TracerRun, &'a TraceRecord)> {
-    let mut controls: Vec<(&TracerRun, &TraceRecord)> = Vec::new();
-    for row in run.controls.iter().filter(|row| is_at(row, scene, viewpoint)) {
+) -> Vec<(&'a Row, &'a TraceRecord)> {
+    let mut controls: Vec<(&Row, &TraceRecord)> = Vec::new();
+    for row in record.controls.iter().filter(|row| is_at(row, scene, viewpoint)) {
         // Points that were tried alone have controls of their own; they score the same.
         let known = controls.iter().any(|(other, _)| other.tracer.name == row.tracer.name);
         controls.extend(row.traces.iter().find(|other| same_rays(other, trace) && !known).map(|found| (row, found)));
@@ -302,7 +302,7 @@ impl<'a> Field<'a> {
         };
         match (timed(one), timed(other)) {
             (Some(one), Some(other)) => {
-                let ratio = self.run.paired_on_host(&one, &other).sure();
+                let ratio = self.record.paired_on_host(&one, &other).sure();
                 ratio.is_ok_and(|ratio| ratio.interval[1] < 1.0)
             }
             _ => bytes(one.row) < bytes(other.row),
@@ -317,28 +317,33 @@ impl<'a> Field<'a> {
     }
 
     /// Entries with their places, those that lack cost or error left out.
-    pub(super) fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot)> {
+    pub(super) fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, CostAndError)> {
         let spot = |entry: &Entry<'a>| {
-            let spot = Spot { cost: self.cost(entry, cost)?.value, error: Wrong::of(entry.trace, by)?.drawn() };
+            let spot = CostAndError { cost: self.cost(entry, cost)?.value, error: Wrong::of(entry.trace, by)?.drawn() };
             Some((*entry, spot))
         };
         entries.iter().filter_map(spot).collect()
     }
 
     /// The front of a choice of entries, the cheapest first.
-    pub fn front(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot)> {
+    pub fn front(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, CostAndError)> {
         let all = self.spots(entries, cost, by);
-        let spots: Vec<Spot> = all.iter().map(|(_, spot)| *spot).collect();
+        let spots: Vec<CostAndError> = all.iter().map(|(_, spot)| *spot).collect();
         front(&spots).into_iter().map(|place| all[place]).collect()
     }
 
     /// How the entries of a choice stand to their own front; entries that lack cost or error are in no choice.
-    pub fn standings(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot, Standing)> {
+    pub fn front_statuses(
+        &self,
+        entries: &[Entry<'a>],
+        cost: Cost,
+        by: By,
+    ) -> Vec<(Entry<'a>, CostAndError, FrontStatus)> {
         let all = self.spots(entries, cost, by);
-        let spots: Vec<Spot> = all.iter().map(|(_, spot)| *spot).collect();
+        let spots: Vec<CostAndError> = all.iter().map(|(_, spot)| *spot).collect();
         let surely = |one: usize, other: usize| self.surely_better(&all[one].0, &all[other].0, cost, by);
-        let standings = standings(&spots, surely);
-        all.into_iter().zip(standings).map(|((entry, spot), standing)| (entry, spot, standing)).collect()
+        let front_statuses = front_statuses(&spots, surely);
+        all.into_iter().zip(front_statuses).map(|((entry, spot), front_status)| (entry, spot, front_status)).collect()
     }
 
     /// The entries of one tracer, published and improved.
@@ -381,7 +386,7 @@ fn rounded_up(value: f64) -> f64 {
 }
 
 /// Bytes that must be there to trace.
-pub fn bytes(row: &TracerRun) -> u64 {
+pub fn bytes(row: &Row) -> u64 {
     row.memory.structure_bytes + row.memory.geometry_bytes
 }
 

@@ -2,7 +2,7 @@
 
 /// A point's cost and error; less is better of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct CostAndError {
     /// What it costs.
     pub cost: f64,
     /// What it gets wrong.
@@ -11,7 +11,7 @@ pub struct Spot {
 
 /// How a point stands to a front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Standing {
+pub enum FrontStatus {
     /// Nothing is better in one and as good in the other.
     OnFront,
     /// Points of the front are, but none of them by more than noise, neither in cost nor in error.
@@ -20,7 +20,7 @@ pub enum Standing {
     Behind,
 }
 
-impl Standing {
+impl FrontStatus {
     /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -31,7 +31,7 @@ impl Standing {
     }
 }
 
-impl Spot {
+impl CostAndError {
     /// Whether this is as good in both and better in one.
     pub fn dominates(&self, other: &Self) -> bool {
         let as_good = self.cost <= other.cost && self.error <= other.error;
@@ -43,31 +43,32 @@ impl Spot {
     }
 }
 
-/// How every point stands to the front of all; what is no number is behind. `surely(q, p)` says whether point q is better than p by more than
-/// noise, in cost or in error.
-pub fn standings(spots: &[Spot], surely: impl Fn(usize, usize) -> bool) -> Vec<Standing> {
+/// How every point stands to the front of all; what is no number is behind. `surely(q, p)` says whether point q is better than p by more
+/// than noise, in cost or in error.
+pub fn front_statuses(spots: &[CostAndError], surely: impl Fn(usize, usize) -> bool) -> Vec<FrontStatus> {
     let beaten = |point: usize| spots.iter().any(|other| other.is_sound() && other.dominates(&spots[point]));
     let front: Vec<usize> = (0..spots.len()).filter(|point| spots[*point].is_sound() && !beaten(*point)).collect();
     // Whatever beats a point is beaten by one of the front, or stands on it.
-    let standing = |point: usize| {
+    let front_status = |point: usize| {
         let mut above = front.iter().filter(|other| spots[**other].dominates(&spots[point])).peekable();
         if !spots[point].is_sound() {
-            Standing::Behind
+            FrontStatus::Behind
         } else if above.peek().is_none() {
-            Standing::OnFront
+            FrontStatus::OnFront
         } else if above.any(|other| surely(*other, point)) {
-            Standing::Behind
+            FrontStatus::Behind
         } else {
-            Standing::WithinNoise
+            FrontStatus::WithinNoise
         }
     };
-    (0..spots.len()).map(standing).collect()
+    (0..spots.len()).map(front_status).collect()
 }
 
 /// The places of a front's points, the cheapest first; of points in the same place all.
-pub fn front(spots: &[Spot]) -> Vec<usize> {
-    let standings = standings(spots, |_, _| true);
-    let mut front: Vec<usize> = (0..spots.len()).filter(|point| standings[*point] == Standing::OnFront).collect();
+pub fn front(spots: &[CostAndError]) -> Vec<usize> {
+    let front_statuses = front_statuses(spots, |_, _| true);
+    let mut front: Vec<usize> =
+        (0..spots.len()).filter(|point| front_statuses[*point] == FrontStatus::OnFront).collect();
     front.sort_by(|a, b| spots[*a].cost.total_cmp(&spots[*b].cost).then(spots[*b].error.total_cmp(&spots[*a].error)));
     front
 }
@@ -77,31 +78,31 @@ mod tests {
     use super::*;
     use crate::rays::sampling::Stream;
 
-    fn spots(of: &[(f64, f64)]) -> Vec<Spot> {
-        of.iter().map(|(cost, error)| Spot { cost: *cost, error: *error }).collect()
+    fn spots(of: &[(f64, f64)]) -> Vec<CostAndError> {
+        of.iter().map(|(cost, error)| CostAndError { cost: *cost, error: *error }).collect()
     }
 
     /// Points drawn from few values, so that many share a cost, an error or both.
-    fn drawn(seed: u64, count: usize) -> Vec<Spot> {
+    fn drawn(seed: u64, count: usize) -> Vec<CostAndError> {
         let mut stream = Stream::new(seed, 912, count as u64);
         let mut value = || (stream.unit() * 12.0).floor();
-        (0..count).map(|_| Spot { cost: value(), error: value() }).collect()
+        (0..count).map(|_| CostAndError { cost: value(), error: value() }).collect()
     }
 
     /// The front by brute force and in other words: for a point's cost no lower error, for its error no lower cost is to be had.
-    fn by_brute_force(spots: &[Spot]) -> Vec<bool> {
-        let on = |point: &Spot| {
-            let least_error = spots
+    fn by_brute_force(spots: &[CostAndError]) -> Vec<bool> {
+        let on = |point: &CostAndError| {
+            let min_error = spots
                 .iter()
                 .filter(|each| each.cost <= point.cost)
                 .map(|each| each.error)
                 .fold(f64::INFINITY, f64::min);
-            let least_cost = spots
+            let min_cost = spots
                 .iter()
                 .filter(|each| each.error <= point.error)
                 .map(|each| each.cost)
                 .fold(f64::INFINITY, f64::min);
-            least_error == point.error && least_cost == point.cost
+            min_error == point.error && min_cost == point.cost
         };
         spots.iter().map(on).collect()
     }
@@ -112,8 +113,10 @@ mod tests {
     fn fronts_are_those_of_brute_force() {
         for seed in 0..200 {
             let spots = drawn(seed, 1 + seed as usize % 40);
-            let found: Vec<bool> =
-                standings(&spots, |_, _| true).into_iter().map(|standing| standing == Standing::OnFront).collect();
+            let found: Vec<bool> = front_statuses(&spots, |_, _| true)
+                .into_iter()
+                .map(|front_status| front_status == FrontStatus::OnFront)
+                .collect();
             assert_eq!(found, by_brute_force(&spots), "seed {seed}");
             let front = front(&spots);
             let dominated = |of: &[usize]| of.iter().any(|p| spots.iter().any(|q| q.dominates(&spots[*p])));
@@ -151,7 +154,7 @@ mod tests {
             for spot in &mut spots {
                 (spot.cost, spot.error) = (spot.cost + 1.0, spot.error + 1.0);
             }
-            spots.push(Spot { cost: 0.0, error: 0.0 });
+            spots.push(CostAndError { cost: 0.0, error: 0.0 });
             assert_eq!(front(&spots), [30]);
             let least = spots[..30].iter().map(|spot| spot.cost).fold(f64::INFINITY, f64::min);
             spots[30].cost = least + 0.5;
@@ -165,9 +168,9 @@ mod tests {
     fn noise_is_told_from_distance() {
         let spots = spots(&[(1.0, 2.0), (1.1, 1.9), (1.15, 2.0), (5.0, 2.0)]);
         let apart = |least: f64| move |q: usize, p: usize| [1.0, 1.1, 1.15, 5.0][p] - [1.0, 1.1, 1.15, 5.0][q] > least;
-        let of = |least: f64| standings(&spots, apart(least))[2..].to_vec();
-        assert_eq!(of(0.2), [Standing::WithinNoise, Standing::Behind]);
-        assert_eq!(of(0.1), [Standing::Behind, Standing::Behind]);
-        assert_eq!(of(9.0), [Standing::WithinNoise, Standing::WithinNoise]);
+        let of = |least: f64| front_statuses(&spots, apart(least))[2..].to_vec();
+        assert_eq!(of(0.2), [FrontStatus::WithinNoise, FrontStatus::Behind]);
+        assert_eq!(of(0.1), [FrontStatus::Behind, FrontStatus::Behind]);
+        assert_eq!(of(9.0), [FrontStatus::WithinNoise, FrontStatus::WithinNoise]);
     }
 }

@@ -5,12 +5,12 @@ use serde_json::Value;
 use tracebench_api::{Hit, Query};
 
 use super::field::{By, Cost, Field};
-use super::front::Standing;
+use super::front::FrontStatus;
 use crate::files::OutputFolder;
 use crate::hash::sha256_of;
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{JournalError, RunError, Told, WINDOW};
+use crate::measure::{JournalError, MAX_RESIDENT, Observations, RunError};
 use crate::picture::painted::{Canvas, Painted};
 use crate::results::{PICTURES_FOLDER, PointPictures, SetPictures};
 
@@ -20,14 +20,14 @@ pub(super) fn shown(fields: &[Field<'_>], costs: &[Cost]) -> Vec<usize> {
     for field in fields {
         let Some(by) = By::all(field.query).last() else { continue };
         for cost in costs {
-            for (entry, _, standing) in field.standings(&field.entries, *cost, *by) {
-                if standing == Standing::OnFront && !all.contains(&entry.index) {
+            for (entry, _, front_status) in field.front_statuses(&field.entries, *cost, *by) {
+                if front_status == FrontStatus::OnFront && !all.contains(&entry.index) {
                     all.push(entry.index);
                 }
             }
         }
     }
-    all.truncate(WINDOW);
+    all.truncate(MAX_RESIDENT);
     all
 }
 
@@ -36,7 +36,7 @@ pub(super) fn paint(
     session: &Session,
     size: [u32; 2],
     rays: &PreparedRays,
-    told: &[Option<Told>],
+    told: &[Option<Observations>],
     (points, names): (&[usize], &[String]),
     results: &OutputFolder,
 ) -> Result<Value, RunError> {
@@ -58,12 +58,12 @@ pub(super) fn paint(
         query: rays.set.query,
         size,
         distances: (!is_any).then_some(range),
-        greatest_error: (!is_any).then_some(greatest),
+        max_error: (!is_any).then_some(greatest),
         truth: keep(seen(&truth))?,
         points: Vec::new(),
     };
     for ((point, name), told) in points.iter().zip(names).zip(told) {
-        let Some(Told { hits, .. }) = told else { continue };
+        let Some(Observations { hits, .. }) = told else { continue };
         let t: Vec<Option<f64>> = hits.iter().map(answered).collect();
         let classes = session.classes(name, rays, Rule::Footprint, hits)?;
         pictures.points.push(PointPictures {

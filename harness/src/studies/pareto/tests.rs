@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use tracebench_api::{ClockKind, EndPoint, Preset, Query, TracerError};
+use tracebench_api::{ClockKind, Preset, Query, TraceTo, TracerError};
 
 use super::*;
 use crate::files::OutputFolder;
@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{Registration, TRACERS};
 use crate::report::fixture::{self, FrontQuality, Quality};
-use crate::results::Sampling;
+use crate::results::SampleSchedule;
 use crate::truth::Cache;
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
@@ -38,11 +38,11 @@ fn several() -> Vec<FrontQuality<'static>> {
 }
 
 /// Every field, cost and rule of a run.
-fn each(run: &Run, look: &mut dyn FnMut(&Field<'_>, Cost, By)) {
-    let record = run.pareto.as_ref().unwrap();
-    for fronts in scene_fronts(run, record) {
+fn each(record: &Record, look: &mut dyn FnMut(&Field<'_>, Cost, By)) {
+    let section = record.pareto.as_ref().unwrap();
+    for fronts in scene_fronts(record, section) {
         for field in &fronts.fields {
-            for cost in Cost::all(&record.rays_per_pixel) {
+            for cost in Cost::all(&section.rays_per_pixel) {
                 By::all(field.query).iter().for_each(|by| look(field, cost, *by));
             }
         }
@@ -60,13 +60,13 @@ fn no_point_of_a_front_is_dominated() {
 /// The same where first builds are told from steady ones: what is built once pays the first, a frame the steady one.
 #[test]
 fn fronts_pay_for_the_right_build() {
-    let run = fixture::with_whole_builds(fixture::fronts(&several(), &SETS, 1.0));
-    fronts_hold(&run, |row| [&row.build.first, &row.build.steady].map(|times| times.as_ref().unwrap().median_ms));
+    let record = fixture::with_whole_builds(fixture::fronts(&several(), &SETS, 1.0));
+    fronts_hold(&record, |row| [&row.build.first, &row.build.steady].map(|times| times.as_ref().unwrap().median_ms));
 }
 
-fn fronts_hold(run: &Run, build_ms: fn(&TracerRun) -> [f64; 2]) {
+fn fronts_hold(record: &Record, build_ms: fn(&Row) -> [f64; 2]) {
     let (mut looked, mut beaten) = (0, 0);
-    each(run, &mut |field, cost, by| {
+    each(record, &mut |field, cost, by| {
         assert_eq!(field.entries.len(), several().len());
         assert_eq!(field.tracers(), ["a", "b", "c", "d"]);
         let again = |entry: &Entry<'_>| {
@@ -85,8 +85,8 @@ fn fronts_hold(run: &Run, build_ms: fn(&TracerRun) -> [f64; 2]) {
         let mut groups = vec![field.entries.clone()];
         groups.extend(field.tracers().into_iter().map(|tracer| field.of_tracer(tracer)));
         for entries in groups {
-            let standings = field.standings(&entries, cost, by);
-            let on = standings.iter().filter(|(.., standing)| *standing == Standing::OnFront);
+            let front_statuses = field.front_statuses(&entries, cost, by);
+            let on = front_statuses.iter().filter(|(.., front_status)| *front_status == FrontStatus::OnFront);
             let on: Vec<_> = on.map(|(entry, ..)| *entry).collect();
             assert!(!on.is_empty());
             let is_beaten = |entry: &Entry<'_>| {
@@ -112,15 +112,15 @@ fn fronts_hold(run: &Run, build_ms: fn(&TracerRun) -> [f64; 2]) {
     assert!(looked > 50 && beaten > 50, "{looked} {beaten}");
 }
 
-/// Proves that a contender which is perfect and free has every front of all tracers to itself, whatever the cost and the rule, and that
+/// Proves that a configuration which is perfect and free has every front of all tracers to itself, whatever the cost and the rule, and that
 /// one which is a control is in none of them.
 #[test]
 fn perfect_and_free_owns_every_front() {
     let mut points = several();
     points.push(planted("free", 0.0, 1e6, 0, 1e-3));
-    let mut run = fixture::fronts(&points, &SETS, 1.0);
+    let mut record = fixture::fronts(&points, &SETS, 1.0);
     // Its bytes are nothing at all.
-    for row in run.runs.iter_mut().filter(|row| row.tracer.name == "free") {
+    for row in record.rows.iter_mut().filter(|row| row.tracer.name == "free") {
         row.memory.geometry_bytes = 0;
         // What the fixture adds round a submission would be the greatest part of it.
         let times = row.traces.iter_mut().map(|trace| &mut trace.times).chain([&mut row.build.times]);
@@ -129,30 +129,30 @@ fn perfect_and_free_owns_every_front() {
             times.submit_to_done_median_ms = Some(times.median_ms);
         }
     }
-    let owners = |run: &Run| {
+    let owners = |record: &Record| {
         let mut owners = BTreeSet::new();
-        each(run, &mut |field, cost, by| {
-            let all = field.standings(&field.entries, cost, by);
-            let on = all.iter().filter(|(.., standing)| *standing == Standing::OnFront);
+        each(record, &mut |field, cost, by| {
+            let all = field.front_statuses(&field.entries, cost, by);
+            let on = all.iter().filter(|(.., front_status)| *front_status == FrontStatus::OnFront);
             owners.extend(on.map(|(entry, ..)| entry.point.tracer.clone()));
         });
         owners
     };
-    assert_eq!(owners(&run).into_iter().collect::<Vec<_>>(), ["free"]);
-    // Without it others are there; as a control it is no contender.
-    let free = run.runs.iter().filter(|row| row.tracer.name == "free").cloned().collect::<Vec<_>>();
-    run.runs.retain(|row| row.tracer.name != "free");
-    run.controls.extend(free);
-    assert!(owners(&run).len() > 1 && !owners(&run).contains("free"));
+    assert_eq!(owners(&record).into_iter().collect::<Vec<_>>(), ["free"]);
+    // Without it others are there; as a control it is no configuration.
+    let free = record.rows.iter().filter(|row| row.tracer.name == "free").cloned().collect::<Vec<_>>();
+    record.rows.retain(|row| row.tracer.name != "free");
+    record.controls.extend(free);
+    assert!(owners(&record).len() > 1 && !owners(&record).contains("free"));
 }
 
 /// Proves that an operating point is the cheapest of those that are right so often, by hand; that how far one gets is told where none
 /// is; and that a check elsewhere tells what holds from what does not.
 #[test]
 fn operating_points_are_the_cheapest() {
-    let run = fixture::fronts(&several(), &SETS, 1.0);
-    let record = run.pareto.as_ref().unwrap();
-    let scene = &scene_fronts(&run, record)[0];
+    let record = fixture::fronts(&several(), &SETS, 1.0);
+    let section = record.pareto.as_ref().unwrap();
+    let scene = &scene_fronts(&record, section)[0];
     let field = scene.fields.iter().find(|field| field.rays == "diffuse").unwrap();
     let by = By::Rule(crate::results::Rule::HitMiss);
     let of = |level: f64, aim: Aim| best(field, &field.entries, by, level, aim).map(|found| found.point.label());
@@ -170,21 +170,21 @@ fn operating_points_are_the_cheapest() {
         all.contains(&0) && all.contains(&1) && all.contains(&5) && all.contains(&6) && !all.contains(&4),
         "{all:?}"
     );
-    let checked = |worse: f64| {
-        let run = fixture::fronts(&several(), &SETS, worse);
-        let record = run.pareto.as_ref().unwrap();
-        let scene = &scene_fronts(&run, record)[0];
-        check(&scene.elsewhere, "diffuse", &record.points[5], by, 0.999)
+    let held_out = |worse: f64| {
+        let record = fixture::fronts(&several(), &SETS, worse);
+        let section = record.pareto.as_ref().unwrap();
+        let scene = &scene_fronts(&record, section)[0];
+        check(&scene.elsewhere, "diffuse", &section.points[5], by, 0.999)
     };
-    assert!(matches!(checked(1.0), Check::Holds(_)), "{:?}", checked(1.0));
+    assert!(matches!(held_out(1.0), Check::Holds(_)), "{:?}", held_out(1.0));
     // As many as were asked for are wrong: so many rays cannot tell.
-    assert!(matches!(checked(2.5), Check::WithinNoise(_)), "{:?}", checked(2.5));
-    let Check::Misses(wrong, missed) = checked(40.0) else { panic!("{:?}", checked(40.0)) };
+    assert!(matches!(held_out(2.5), Check::WithinNoise(_)), "{:?}", held_out(2.5));
+    let Check::Misses(wrong, missed) = held_out(40.0) else { panic!("{:?}", held_out(40.0)) };
     assert!((missed - (wrong.share.value - 0.001)).abs() < 1e-12 && missed > 0.01);
-    assert_eq!(check(&[], "diffuse", &record.points[5], by, 0.999), Check::NotMeasured);
+    assert_eq!(check(&[], "diffuse", &section.points[5], by, 0.999), Check::NotMeasured);
 }
 
-/// Proves that only points of one class are set against one another, that a class has the lines of its points, and that the overtaking
+/// Proves that only points of one class are set against one another, that a class has the lines of its points, and that the break-even
 /// is where the medians say: between the quick build and the quick trace.
 #[test]
 fn classes_are_of_points_that_are_right_as_often() {
@@ -193,9 +193,9 @@ fn classes_are_of_points_that_are_right_as_often() {
         planted("slow trace", 0.0001, 4.0, 50, 0.01),
         planted("often wrong", 0.4, 400.0, 50, 0.01),
     ];
-    let run = fixture::with_whole_builds(fixture::fronts(&points, &SETS[..1], 1.0));
-    let record = run.pareto.as_ref().unwrap();
-    let scene = &scene_fronts(&run, record)[0];
+    let record = fixture::with_whole_builds(fixture::fronts(&points, &SETS[..1], 1.0));
+    let section = record.pareto.as_ref().unwrap();
+    let scene = &scene_fronts(&record, section)[0];
     let field = &scene.fields[0];
     let by = By::Rule(crate::results::Rule::HitMiss);
     for class in classes(scene, field, by, 0.99) {
@@ -219,18 +219,18 @@ fn classes_are_of_points_that_are_right_as_often() {
         for cost in [one, other] {
             let (found, expected) = (at(cost, field.count as f64), expected(cost));
             assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
-            assert!(!cost.refitted && cost.doubt.is_none(), "{:?}", cost.doubt);
+            assert!(!cost.refitted && cost.caveat.is_none(), "{:?}", cost.caveat);
         }
     }
     assert!(classes(scene, field, by, 0.99999).iter().all(|class| class.costs.is_empty()));
     // Fewer rounds than a verdict needs decide nothing.
-    let mut few = run.clone();
-    for row in &mut few.runs {
+    let mut few = record.clone();
+    for row in &mut few.rows {
         row.build.all_mut().for_each(|times| times.samples_ms.truncate(5));
     }
     let scene = &scene_fronts(&few, few.pareto.as_ref().unwrap())[0];
     let found = classes(scene, &scene.fields[0], by, 0.99);
-    let undecided = |stretch: &Stretch| matches!(stretch.overtakes, Some(Overtaking::Undecided(_)));
+    let undecided = |stretch: &Stretch| matches!(stretch.overtakes, Some(BreakEven::Undecided(_)));
     assert!(found.iter().any(|class| class.stretches.iter().any(undecided)));
 }
 
@@ -245,11 +245,11 @@ fn plan() -> Plan {
         tracers: TRACERS.iter().filter(host).flat_map(both).collect(),
         ray_sets: RAY_SETS.iter().filter(|set| ["diffuse", "ao"].contains(&set.name)).copied().collect(),
         ray_parameters: default_parameters(),
-        preset: RunPreset { ray_image: [16, 8], sampling: Sampling::rounds(2), ..smoke },
+        preset: RunPreset { ray_image: [16, 8], sampling: SampleSchedule::rounds(2), ..smoke },
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 7,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }
@@ -264,23 +264,23 @@ fn chosen_points_are_measured_again() {
     let folder = tempfile::tempdir().unwrap();
     let results = Arc::new(OutputFolder::open(folder.path()).unwrap());
     let machine = crate::machine::this_machine(None);
-    let extent = Extent { most_points: 3, ..Extent::default() };
+    let extent = Extent { max_points: 3, ..Extent::default() };
     let words = serde_json::json!("the same");
     let measured = |journal: &Journal| {
         let context = Context::new(&none, &cache, &quiet, journal);
         Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap()
     };
     let journal = Journal::begin(&results, &words, &machine, None).unwrap();
-    let run = measured(&journal);
+    let record = measured(&journal);
     drop(journal);
-    let record = run.pareto.as_ref().unwrap();
-    assert_eq!((record.points.len(), record.scenes.len()), (3, 1));
-    let fronts = &scene_fronts(&run, record)[0];
+    let section = record.pareto.as_ref().unwrap();
+    assert_eq!((section.points.len(), section.scenes.len()), (3, 1));
+    let fronts = &scene_fronts(&record, section)[0];
     assert!(fronts.fields.len() == 2 && fronts.fields.iter().all(|field| field.entries.len() == 3));
     let chosen = chosen(&fronts.fields);
     assert!(!chosen.is_empty());
-    let checked = fronts.scene.checked.as_ref().unwrap();
-    assert!(checked.seed == run.seed + FURTHER_SEED && checked.viewpoint.eye != fronts.scene.viewpoint.eye);
+    let held_out = fronts.scene.held_out.as_ref().unwrap();
+    assert!(held_out.seed == record.seed + FURTHER_SEED && held_out.viewpoint.eye != fronts.scene.viewpoint.eye);
     for field in &fronts.elsewhere {
         let there: BTreeSet<usize> = field.entries.iter().map(|entry| entry.index).collect();
         assert_eq!(there, chosen);
@@ -290,18 +290,21 @@ fn chosen_points_are_measured_again() {
     assert_eq!(fronts.elsewhere.len(), 2);
     assert_eq!(fronts.scene.ray_images, [[8, 4], [4, 2]]);
     for entry in fronts.fields[0].entries.iter().filter(|entry| chosen.contains(&entry.index)) {
-        let refitted = refit(&run, fronts.scene, entry).unwrap();
+        let refitted = refit(&record, fronts.scene, entry).unwrap();
         assert!(refitted.traces.is_empty() && refitted.build.times.samples_ms.len() == 2);
     }
     // Two rounds decide nothing.
     let classes = classes(fronts, &fronts.fields[0], By::Rule(crate::results::Rule::Tight), 0.99);
-    assert!(classes.iter().flat_map(|class| &class.costs).all(|cost| cost.doubt.is_some()));
+    assert!(classes.iter().flat_map(|class| &class.costs).all(|cost| cost.caveat.is_some()));
     let journal = Journal::resume(&results, &words, &machine).unwrap();
     let again = measured(&journal);
-    assert_eq!((&again.runs, &again.races, &again.pareto), (&run.runs, &run.races, &run.pareto));
+    assert_eq!(
+        (&again.rows, &again.interleaved_sets, &again.pareto),
+        (&record.rows, &record.interleaved_sets, &record.pareto)
+    );
     let other = crate::plan::Shard { index: 2, count: 2, plan_sha256: String::new() };
     let quiet_journal = Journal::none();
     let context = Context::new(&none, &cache, &quiet, &quiet_journal).of_shard(Some(other));
     let empty = Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap();
-    assert!(empty.runs.is_empty() && empty.pareto.unwrap().scenes.is_empty());
+    assert!(empty.rows.is_empty() && empty.pareto.unwrap().scenes.is_empty());
 }

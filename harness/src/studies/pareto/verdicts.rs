@@ -1,17 +1,17 @@
 //! What follows from the rows of one scene: its ray sets here and elsewhere, and who overtakes whom within a class of points that are
 //! right as often.
 
+use super::break_even::{Fit, FrameCost, Motion, Stretch, stretches};
 use super::field::{Amount, By, Entry, Field, fields, is_at, on_host};
 use super::operating::{Aim, LEVELS, best};
-use super::overtaking::{Fit, FrameCost, Motion, Stretch, stretches};
 use super::refit;
-use crate::results::{FrontScene, LEAST_ROUNDS, ParetoRecord, Run, Timed, Times, TraceRecord, TracerRun};
+use crate::results::{FrontScene, MIN_ROUNDS, ParetoRecord, Record, Row, Timed, Times, TraceRecord};
 use itertools::Itertools as _;
 
 /// One scene.
 #[derive(Clone, Debug)]
 pub struct SceneFronts<'a> {
-    run: &'a Run,
+    record: &'a Record,
     /// The scene.
     pub scene: &'a FrontScene,
     /// Every ray set from the viewpoint by which points are chosen.
@@ -30,7 +30,7 @@ pub struct ClassCost<'a> {
     /// Whether it was refitted; else it was built.
     pub refitted: bool,
     /// What speaks against its times.
-    pub doubt: Option<String>,
+    pub caveat: Option<String>,
 }
 
 /// Points that are right as often, and who is cheapest of them at how many rays a frame.
@@ -58,14 +58,17 @@ impl<'a> Class<'a> {
 }
 
 /// Every scene of a record.
-pub fn scene_fronts<'a>(run: &'a Run, record: &'a ParetoRecord) -> Vec<SceneFronts<'a>> {
+pub fn scene_fronts<'a>(record: &'a Record, section: &'a ParetoRecord) -> Vec<SceneFronts<'a>> {
     let of = |scene: &'a FrontScene| SceneFronts {
-        run,
+        record,
         scene,
-        fields: fields(run, record, scene, &scene.viewpoint),
-        elsewhere: scene.checked.as_ref().map_or_else(Vec::new, |there| fields(run, record, scene, &there.viewpoint)),
+        fields: fields(record, section, scene, &scene.viewpoint),
+        elsewhere: scene
+            .held_out
+            .as_ref()
+            .map_or_else(Vec::new, |there| fields(record, section, scene, &there.viewpoint)),
     };
-    record.scenes.iter().map(of).collect()
+    section.scenes.iter().map(of).collect()
 }
 
 /// The classes of one ray set under one rule, by level and motion; those in which nobody is have no costs.
@@ -82,7 +85,7 @@ pub fn classes<'a>(fronts: &SceneFronts<'a>, field: &Field<'a>, by: By, level: f
         let cost = |entry: &Entry<'a>| class_cost(fronts, field, entry, motion);
         let costs: Vec<ClassCost<'a>> = members.iter().filter_map(cost).collect();
         let frames: Vec<FrameCost> = costs.iter().map(|cost| cost.cost.clone()).collect();
-        let doubts: Vec<Option<String>> = costs.iter().map(|cost| cost.doubt.clone()).collect();
+        let doubts: Vec<Option<String>> = costs.iter().map(|cost| cost.caveat.clone()).collect();
         let stretches = stretches(&frames, &doubts);
         Class { rays: field.rays, by, level, motion, costs, stretches }
     };
@@ -103,58 +106,60 @@ fn class_cost<'a>(
     entry: &Entry<'a>,
     motion: Motion,
 ) -> Option<ClassCost<'a>> {
-    let mut traces: Vec<(&'a TracerRun, &'a TraceRecord)> = vec![(entry.row, entry.trace)];
+    let mut traces: Vec<(&'a Row, &'a TraceRecord)> = vec![(entry.row, entry.trace)];
     for ray_image in &fronts.scene.ray_images {
         let mut viewpoint = fronts.scene.viewpoint.clone();
         viewpoint.ray_image = *ray_image;
         let here =
-            |row: &&TracerRun| row.way.is_none() && entry.point.is_of(row) && is_at(row, fronts.scene, &viewpoint);
-        let row = fronts.run.runs.iter().find(here);
+            |row: &&Row| row.update_mode.is_none() && entry.point.is_of(row) && is_at(row, fronts.scene, &viewpoint);
+        let row = fronts.record.rows.iter().find(here);
         let found = row.and_then(|row| Some((row, row.traces.iter().find(|trace| trace.rays == field.rays)?)));
         traces.extend(found);
     }
-    let sample = |(_, trace): &(&TracerRun, &TraceRecord)| Some((trace.count as f64, on_host(&trace.times)?));
+    let sample = |(_, trace): &(&Row, &TraceRecord)| Some((trace.count as f64, on_host(&trace.times)?));
     let fit = Fit::new(traces.iter().map(sample).collect::<Option<_>>()?)?;
-    let refitted = (motion == Motion::Refitted).then(|| refit(fronts.run, fronts.scene, entry)).flatten();
+    let refitted = (motion == Motion::Refitted).then(|| refit(fronts.record, fronts.scene, entry)).flatten();
     let structure = refitted.unwrap_or(entry.row);
     let once = match motion {
         Motion::Static => Amount::exact(0.0),
         Motion::Refitted | Motion::Rebuilt => on_host(structure.build.steady())?,
     };
-    let mut doubt = doubt_of(fronts.run, &traces);
+    let mut caveat = doubt_of(fronts.record, &traces);
     if motion != Motion::Static {
-        doubt = doubt.or_else(|| doubt_of_times(fronts.run, structure.build.steady()));
+        caveat = caveat.or_else(|| doubt_of_times(fronts.record, structure.build.steady()));
     }
     let cost = FrameCost { once, traces: fit };
-    Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some(), doubt })
+    Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some(), caveat })
 }
 
-/// What speaks against traces that were timed in different races: the clock of any, or a machine that was faster in one.
-fn doubt_of(run: &Run, traces: &[(&TracerRun, &TraceRecord)]) -> Option<String> {
-    if let Some(doubt) = traces.iter().find_map(|(_, trace)| doubt_of_times(run, &trace.times)) {
-        return Some(doubt);
+/// What speaks against traces that were timed in different interleaved sets: the clock of any, or a machine that was faster in one.
+fn doubt_of(record: &Record, traces: &[(&Row, &TraceRecord)]) -> Option<String> {
+    if let Some(caveat) = traces.iter().find_map(|(_, trace)| doubt_of_times(record, &trace.times)) {
+        return Some(caveat);
     }
     for pair in traces.windows(2) {
         let [(row, trace), (other, beside)] = [pair[0], pair[1]];
-        let paired = run.paired_on_host(&Timed::trace(row, trace), &Timed::trace(other, beside));
-        if let Some(doubt) = paired.doubt {
-            return Some(doubt.to_string());
+        let paired = record.paired_on_host(&Timed::trace(row, trace), &Timed::trace(other, beside));
+        if let Some(caveat) = paired.caveat {
+            return Some(caveat.to_string());
         }
     }
     None
 }
 
 /// What speaks against times by themselves.
-fn doubt_of_times(run: &Run, times: &Times) -> Option<String> {
+fn doubt_of_times(record: &Record, times: &Times) -> Option<String> {
     let rounds = times.samples_ms.len();
-    if let Some(why) = &times.void {
-        return Some(format!("times are void: {why}"));
+    if let Some(why) = &times.invalid {
+        return Some(format!("times are invalid: {why}"));
     }
-    if rounds < LEAST_ROUNDS as usize {
-        return Some(format!("{rounds} rounds, fewer than {LEAST_ROUNDS}"));
+    if rounds < MIN_ROUNDS as usize {
+        return Some(format!("{rounds} rounds, fewer than {MIN_ROUNDS}"));
     }
-    match run.race(times) {
-        None => Some("the record does not tell of its races".to_owned()),
-        Some(race) => race.drift.then(|| format!("drift: {} of {}", race.work, race.scene)),
+    match record.interleaved_set(times) {
+        None => Some("the record does not tell of its interleaved sets".to_owned()),
+        Some(interleaved_set) => {
+            interleaved_set.drift.then(|| format!("drift: {} of {}", interleaved_set.work, interleaved_set.scene))
+        }
     }
 }

@@ -7,7 +7,7 @@ use super::{Measured, Stability, Verdict};
 use crate::cases::CASES;
 use crate::machine::Machine;
 use crate::registry::TRACERS;
-use crate::results::{EXACT, Rule, Run, Wrong};
+use crate::results::{EXACT, Record, Rule, Wrong};
 use tracebench_api::Preset;
 
 /// The file, as the program was built with it.
@@ -32,7 +32,7 @@ pub enum ExpectedError {
     Record(String),
 }
 
-/// Wrong rays in percent, rounded to three decimals, by value of the knob; `None` where there were no answers.
+/// Wrong rays in percent, rounded to three decimals, by value of the difficulty parameter; `None` where there were no answers.
 type Cell = BTreeMap<String, Option<f64>>;
 
 /// Shares of wrong rays by tracer and case, then by kind of adapter.
@@ -75,7 +75,7 @@ impl ExpectedShares {
         Ok(shares)
     }
 
-    /// The file's text: lines sorted by tracer and case, shares in percent after the knob's values.
+    /// The file's text: lines sorted by tracer and case, shares in percent after the difficulty parameter's values.
     pub fn text(&self) -> String {
         let kinds: BTreeSet<&String> = self.0.values().flat_map(BTreeMap::keys).collect();
         let line = |first: [&str; 2], cells: Vec<String>| {
@@ -90,8 +90,8 @@ impl ExpectedShares {
         text
     }
 
-    /// What is expected of a tracer on a case at each of the knob's values, on a kind of adapter; empty if nothing is stated. Kinds without a
-    /// column are expected to be as software is.
+    /// What is expected of a tracer on a case at each of the difficulty parameter's values, on a kind of adapter; empty if nothing is
+    /// stated. Kinds without a column are expected to be as software is.
     pub fn of(&self, tracer: &str, case: &str, kind: &str, values: &[f64]) -> Vec<Option<f64>> {
         let cells = self.0.get(&(tracer.to_owned(), case.to_owned()));
         let cell = cells.and_then(|cells| cells.get(kind).or_else(|| cells.get(SOFTWARE)));
@@ -104,15 +104,15 @@ impl ExpectedShares {
     /// Takes what a record of cases measured into the column of its adapter, and leaves out what no tracer is expected to be any more.
     ///
     /// # Errors
-    /// [`ExpectedError::Record`] if it is of no cases, of changed parameters or of a void case.
-    pub fn take(&mut self, run: &Run) -> Result<(), ExpectedError> {
+    /// [`ExpectedError::Record`] if it is of no cases, of changed parameters or of a invalid case.
+    pub fn take(&mut self, record: &Record) -> Result<(), ExpectedError> {
         let refuse = |reason: String| Err(ExpectedError::Record(reason));
-        let Some(found) = Stability::of(run) else { return refuse("it is not of stability cases".to_owned()) };
+        let Some(found) = Stability::of(record) else { return refuse("it is not of stability cases".to_owned()) };
         if !found.counts {
             return refuse("parameters were changed by --set; measure without it".to_owned());
         }
-        if let Some(case) = found.cases.iter().find(|case| case.case.void.is_some()) {
-            return refuse(format!("the case {} is void; measure it again", case.case.name));
+        if let Some(case) = found.cases.iter().find(|case| case.case.invalid.is_some()) {
+            return refuse(format!("the case {} is invalid; measure it again", case.case.name));
         }
         let rules = expected_rules();
         for case in &found.cases {
@@ -120,9 +120,9 @@ impl ExpectedShares {
                 let key = (cell.tracer.clone(), case.case.name.clone());
                 let Some(rule) = rules.get(&key) else { continue };
                 let percent = |wrong: Wrong| (wrong.under(*rule) * 1e5).round() / 1e3;
-                let share = |each: &Measured| (each.strength.to_string(), each.wrong.map(percent));
+                let share = |each: &Measured| (each.difficulty_level.to_string(), each.wrong.map(percent));
                 let cells = self.0.entry(key).or_default();
-                cells.insert(kind_of(&run.provenance.machine).to_owned(), cell.measured.iter().map(share).collect());
+                cells.insert(kind_of(&record.provenance.machine).to_owned(), cell.measured.iter().map(share).collect());
             }
         }
         self.0.retain(|key, _| rules.contains_key(key));
@@ -153,7 +153,7 @@ fn cell(text: &str) -> Option<Cell> {
     text.split(' ').map(pair).collect()
 }
 
-/// In the order of the knob's values.
+/// In the order of the difficulty parameter's values.
 fn in_words(cell: &Cell) -> String {
     let mut pairs: Vec<_> = cell.iter().collect();
     let number = |value: &str| value.parse::<f64>().unwrap_or_default();

@@ -1,8 +1,8 @@
-//! What follows from the rows of cases: what every tracer got wrong at every strength, and a verdict on it.
+//! What follows from the rows of cases: what every tracer got wrong at every difficulty level, and a verdict on it.
 
 use super::{Verdict, verdict};
 use crate::results::{
-    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Run, Skipped,
+    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Record, Skipped,
     UNEXPLAINED, Wrong,
 };
 
@@ -35,19 +35,19 @@ pub struct Cell {
     pub tracer: String,
     /// What is expected of it; `None` if nothing is stated.
     pub expectation: Option<ExpectationRecord>,
-    /// What came of it over all strengths.
+    /// What came of it over all difficulty levels.
     pub verdict: Verdict,
     /// The verdict in words.
     pub text: String,
-    /// What was measured at each strength.
+    /// What was measured at each difficulty level.
     pub measured: Vec<Measured>,
 }
 
-/// A tracer on a case at one strength.
+/// A tracer on a case at one difficulty level.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// The knob's value.
-    pub strength: f64,
+    /// The difficulty parameter's value.
+    pub difficulty_level: f64,
     /// Shares of wrong rays; `None` if it gave no answers or no ray is judged.
     pub wrong: Option<Wrong>,
     /// The greatest share of rays, by any rule, whose wrong answers have no cause.
@@ -64,14 +64,14 @@ pub struct Measured {
 
 impl Stability {
     /// What a record says of cases, with verdicts; `None` if it is of none.
-    pub fn of(run: &Run) -> Option<Self> {
-        let cases = &run.cases.as_ref()?.cases;
+    pub fn of(record: &Record) -> Option<Self> {
+        let cases = &record.cases.as_ref()?.cases;
         let unchanged = |case: &CaseRecord| case.tracers.iter().all(|each| each.tracer.changed.is_empty());
         Some(Self {
-            provenance: run.provenance.clone(),
+            provenance: record.provenance.clone(),
             counts: cases.iter().all(unchanged),
-            cases: cases.iter().map(|case| CaseMatrix::of(run, case)).collect(),
-            skipped: run.skipped.clone(),
+            cases: cases.iter().map(|case| CaseMatrix::of(record, case)).collect(),
+            skipped: record.skipped.clone(),
         })
     }
 
@@ -79,7 +79,7 @@ impl Stability {
     pub fn surprises(&self) -> Vec<String> {
         let mut surprises = Vec::new();
         for CaseMatrix { case, cells } in &self.cases {
-            surprises.extend(case.void.iter().map(|reason| format!("{}: void, {reason}", case.name)));
+            surprises.extend(case.invalid.iter().map(|reason| format!("{}: invalid, {reason}", case.name)));
             let cells = cells.iter().filter(|cell| cell.verdict.is_unexpected());
             surprises.extend(cells.map(|cell| format!("{}, {}: {}", case.name, cell.tracer, cell.text)));
         }
@@ -94,26 +94,31 @@ impl Stability {
 }
 
 impl CaseMatrix {
-    fn of(run: &Run, case: &CaseRecord) -> Self {
+    fn of(record: &Record, case: &CaseRecord) -> Self {
         let cell = |of: &CaseTracer| {
             if of.unavailable {
                 return verdict::unavailable(&of.tracer.label(), of.expectation.as_ref());
             }
-            let measured = case.knob.values.iter().map(|strength| measured(run, case, of, *strength)).collect();
+            let measured = case
+                .difficulty_parameter
+                .values
+                .iter()
+                .map(|difficulty_level| measured(record, case, of, *difficulty_level))
+                .collect();
             verdict::cell(case, &of.tracer.label(), of.expectation.as_ref(), measured)
         };
         Self { case: case.clone(), cells: case.tracers.iter().map(cell).collect() }
     }
 }
 
-fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Measured {
-    let is_row = |row: &&crate::results::TracerRun| {
-        row.scene.name == case.name && row.strength == Some(strength) && row.tracer == of.tracer
+fn measured(record: &Record, case: &CaseRecord, of: &CaseTracer, difficulty_level: f64) -> Measured {
+    let is_row = |row: &&crate::results::Row| {
+        row.scene.name == case.name && row.difficulty_level == Some(difficulty_level) && row.tracer == of.tracer
     };
-    let trace = run.runs.iter().find(is_row).and_then(|row| row.traces.first());
+    let trace = record.rows.iter().find(is_row).and_then(|row| row.traces.first());
     let judgement = trace.map(|trace| &trace.judgement);
     let none = Measured {
-        strength,
+        difficulty_level,
         wrong: None,
         unexplained: trace.map_or(0.0, |trace| unexplained(&trace.judgement, trace.count)),
         error: None,
@@ -130,7 +135,7 @@ fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Mea
     };
     match judgement {
         None => {
-            let said = of.no_answers.iter().find(|each| each.strength == strength);
+            let said = of.no_answers.iter().find(|each| each.difficulty_level == difficulty_level);
             let (refused, unavailable) = said.map_or((false, false), |said| (said.refused, said.unavailable));
             let error = said.map_or("not measured", |said| said.error.as_str());
             Measured { error: Some(error.to_owned()), refused, unavailable, ..none }

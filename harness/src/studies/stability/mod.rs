@@ -1,4 +1,4 @@
-//! Runs cases: every tracer at every strength, judged against the truth and against what is expected of it.
+//! Runs cases: every tracer at every difficulty level, judged against the truth and against what is expected of it.
 
 mod expected;
 mod matrix;
@@ -9,16 +9,16 @@ use std::sync::Arc;
 use tracebench_api::{Geometry, Gpu, Rasterizer};
 
 use crate::cases::{CASES, Case, Probe, Setup};
-use crate::contenders::Expectation;
 use crate::hash;
 use crate::judge::true_counts;
 use crate::measure::session::Session;
-use crate::measure::{self, Context, Effort, Place, Placed, Refusal, Request, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, PreparedWorkload, Refusal, Request, RunError, Workload, records};
 use crate::plan::TracerRequest;
 use crate::rays::RaySet;
+use crate::registrations::Expectation;
 use crate::results::{
-    CaseRecord, CaseTracer, CasesRecord, EXACT, ExpectationRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped,
-    Strength, TrueCounts,
+    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, EXACT, ExpectationRecord,
+    NoAnswer, Record, SceneRecord, Skipped, TrueCounts,
 };
 use crate::truth::Truth;
 
@@ -51,11 +51,11 @@ impl Candidate {
     /// What is expected on a case, on an adapter of a kind with such a rasterizer.
     pub fn record(&self, case: &Case, kind: &str, rasterizer: Option<&Rasterizer>) -> Option<ExpectationRecord> {
         let (_, expected) = self.expected.iter().find(|(name, _)| *name == case.name)?;
-        let record = expected.record(case.knob.values, rasterizer);
+        let record = expected.record(case.difficulty_parameter.values, rasterizer);
         if record.kind == EXACT {
             return Some(record);
         }
-        let wrong_shares = self.shares.of(&self.column, case.name, kind, case.knob.values);
+        let wrong_shares = self.shares.of(&self.column, case.name, kind, case.difficulty_parameter.values);
         Some(ExpectationRecord { wrong_shares, ..record })
     }
 }
@@ -64,23 +64,23 @@ impl Candidate {
 ///
 /// # Errors
 /// [`RunError`] if a tracer that was asked for by name cannot run, none can, or the device fails.
-pub fn run(cases: &[&Case], requests: &[TracerRequest], context: &Context<'_>) -> Result<Run, RunError> {
+pub fn run(cases: &[&Case], requests: &[TracerRequest], context: &Context<'_>) -> Result<Record, RunError> {
     let shares = ExpectedShares::stated().map_err(|error| RunError::Nothing(error.to_string()))?;
     let shares = Arc::new(shares);
     let candidates: Vec<Candidate> = requests.iter().map(|request| Candidate::of(request, &shares)).collect();
-    let run = measure(cases, &candidates, context)?;
-    if run.skipped.len() == candidates.len() {
-        return Err(measure::nothing(&run));
+    let record = measure(cases, &candidates, context)?;
+    if record.skipped.len() == candidates.len() {
+        return Err(measure::nothing(&record));
     }
-    Ok(run)
+    Ok(record)
 }
 
 /// Runs cases with candidates. What a tracer or a control does wrong is in the record.
 ///
 /// # Errors
 /// [`RunError`] if a tracer that was asked for by name cannot run, a case cannot be made, or the device fails.
-pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>) -> Result<Run, RunError> {
-    let mut run = measure::empty(candidates.iter().map(|candidate| &candidate.request), context);
+pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>) -> Result<Record, RunError> {
+    let mut record = measure::empty(candidates.iter().map(|candidate| &candidate.request), context);
     let mut absent = vec![false; candidates.len()];
     for (candidate, absent) in candidates.iter().zip(&mut absent) {
         let tracer = candidate.request.name().to_owned();
@@ -91,7 +91,7 @@ pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>)
                 *absent = true;
                 context.progress.say(&format!("skipped {tracer}: {error}"));
                 let (scene, reason) = ("cases".to_owned(), error.to_string());
-                run.skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason });
+                record.skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason });
             }
         }
     }
@@ -100,24 +100,24 @@ pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>)
     for (place, case) in cases.iter().enumerate() {
         if context.takes(place) {
             context.progress.say(&format!("case {}", case.name));
-            records.push(measure_case(index, case, candidates, &absent, &mut run, context)?);
+            records.push(measure_case(index, case, candidates, &absent, &mut record, context)?);
         }
-        index += case.knob.values.len();
+        index += case.difficulty_parameter.values.len();
     }
-    run.cases = Some(CasesRecord { cases: records });
-    Ok(run)
+    record.cases = Some(CasesRecord { cases: records });
+    Ok(record)
 }
 
-/// Measures one case: every candidate at every strength. `index` is the first strength's place in the plan.
+/// Measures one case: every candidate at every difficulty level. `index` is the first difficulty level's place in the plan.
 fn measure_case(
     index: usize,
     case: &Case,
     candidates: &[Candidate],
     absent: &[bool],
-    run: &mut Run,
+    record: &mut Record,
     context: &Context<'_>,
 ) -> Result<CaseRecord, RunError> {
-    let machine = &run.provenance.machine;
+    let machine = &record.provenance.machine;
     let (kind, rasterizer) = (expected::kind_of(machine), machine.rasterizer.as_ref());
     let mut tracers: Vec<CaseTracer> = candidates
         .iter()
@@ -131,51 +131,53 @@ fn measure_case(
         .collect();
     let running: Vec<usize> = (0..candidates.len()).filter(|place| !absent[*place]).collect();
     let requests: Vec<Request> = running.iter().map(|place| Request::of(&candidates[*place].request)).collect();
-    let (mut strengths, mut void) = (Vec::new(), None);
-    for (turn, &strength) in case.knob.values.iter().enumerate() {
+    let (mut difficulty_levels, mut invalid) = (Vec::new(), None);
+    for (turn, &difficulty_level) in case.difficulty_parameter.values.iter().enumerate() {
         let gpu = context.device.as_ref().ok();
-        let prepare = || placed(case, strength, gpu);
-        let effort = Effort { validated: false, lenient: true, ..Effort::untimed() };
-        let place = Place {
+        let prepare = || placed(case, difficulty_level, gpu);
+        let options = MeasureOptions { validated: false, lenient: true, ..MeasureOptions::untimed() };
+        let place = Workload {
             index: index + turn,
             scene_sha256: None,
             prepare: &prepare,
             requests: &requests,
-            effort,
+            options,
             hook: None,
         };
         let mut found = measure::measure(&place, context)?;
         let told = std::mem::take(&mut found.told);
-        strengths.push(serde_json::from_value::<Strength>(told).map_err(|error| RunError::Nothing(error.to_string()))?);
-        if let Some(reason) = found.void.take() {
-            void.get_or_insert_with(|| format!("at {strength}: {reason}"));
+        difficulty_levels.push(
+            serde_json::from_value::<DifficultyLevel>(told).map_err(|error| RunError::Nothing(error.to_string()))?,
+        );
+        if let Some(reason) = found.invalid.take() {
+            invalid.get_or_insert_with(|| format!("at {difficulty_level}: {reason}"));
         }
-        for (request, (_, refusal)) in measure::add(run, found) {
+        for (request, (_, refusal)) in measure::add(record, found) {
             let Refusal { reason: error, too_large: refused, unavailable, .. } = refusal;
-            tracers[running[request]].no_answers.push(NoAnswer { strength, error, refused, unavailable });
+            tracers[running[request]].no_answers.push(NoAnswer { difficulty_level, error, refused, unavailable });
         }
     }
     Ok(CaseRecord {
         name: case.name.to_owned(),
         summary: case.summary.to_owned(),
-        knob: KnobRecord {
-            name: case.knob.name.to_owned(),
-            unit: case.knob.unit.to_owned(),
-            values: case.knob.values.to_vec(),
+        difficulty_parameter: DifficultyParameterRecord {
+            name: case.difficulty_parameter.name.to_owned(),
+            unit: case.difficulty_parameter.unit.to_owned(),
+            values: case.difficulty_parameter.values.to_vec(),
         },
         feature: case.feature.what.to_owned(),
-        least_featured: case.feature.least,
-        strengths,
-        void,
+        min_featured: case.feature.least,
+        difficulty_levels,
+        invalid,
         tracers,
     })
 }
 
-/// A case at one strength, ready to be measured.
-fn placed(case: &Case, strength: f64, gpu: Option<&Arc<Gpu>>) -> Result<Placed, RunError> {
-    let setup = (case.make)(strength)?;
+/// A case at one difficulty level, ready to be measured.
+fn placed(case: &Case, difficulty_level: f64, gpu: Option<&Arc<Gpu>>) -> Result<PreparedWorkload, RunError> {
+    let setup = (case.make)(difficulty_level)?;
     let session = prepare(case, &setup, gpu)?;
-    let told = describe(case, strength, &setup, &session);
+    let told = describe(case, difficulty_level, &setup, &session);
     let Geometry { positions, triangles, .. } = &setup.geometry;
     let parts = [hash::sha256_of(positions), hash::sha256_of(triangles)].concat();
     let scene = SceneRecord {
@@ -191,10 +193,10 @@ fn placed(case: &Case, strength: f64, gpu: Option<&Arc<Gpu>>) -> Result<Placed, 
     let rays = [setup.rays.len() as u32, 1];
     let viewpoint = records::viewpoint_of("given", &setup.viewpoint, rays, 0.0);
     let told = serde_json::to_value(told).map_err(|error| RunError::Nothing(error.to_string()))?;
-    Ok(Placed { scene, viewpoint, strength: Some(strength), session, film: None, told })
+    Ok(PreparedWorkload { scene, viewpoint, difficulty_level: Some(difficulty_level), session, film: None, told })
 }
 
-/// A case at one strength with its truth, on the device as well if there is one.
+/// A case at one difficulty level with its truth, on the device as well if there is one.
 ///
 /// # Errors
 /// [`RunError`] if the truth fails its audit or the device fails.
@@ -206,21 +208,21 @@ pub fn prepare(case: &Case, setup: &Setup, gpu: Option<&Arc<Gpu>>) -> Result<Ses
     Ok(Session::of_rays(truth, setup.viewpoint, set, setup.rays.clone(), gpu.cloned())?)
 }
 
-fn describe(case: &Case, strength: f64, setup: &Setup, session: &Session) -> Strength {
+fn describe(case: &Case, difficulty_level: f64, setup: &Setup, session: &Session) -> DifficultyLevel {
     let rays = &session.rays[0];
     let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(&rays.answers);
     let probe = Probe { setup, truth: session.truth(), answers: &rays.answers };
     let featured = (0..setup.rays.len()).filter(|index| (case.feature.has)(&probe, *index)).count();
     let count = setup.rays.len() as u64;
-    Strength {
-        strength,
+    DifficultyLevel {
+        difficulty_level,
         triangles: setup.geometry.triangles.len() as u64,
         query: setup.query,
         frame: setup.viewpoint.frame,
         rays: count,
         true_hits,
         true_misses,
-        ties: count - true_hits - true_misses,
+        ambiguous_rays: count - true_hits - true_misses,
         featured: featured as f64 / count.max(1) as f64,
     }
 }

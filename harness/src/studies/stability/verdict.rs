@@ -1,7 +1,7 @@
 //! From what was measured to a verdict.
 
 use super::{Cell, Measured};
-use crate::results::{CaseRecord, EXACT, ExpectationRecord, MOST_UNEXPLAINED, Rule, Surprise};
+use crate::results::{CaseRecord, EXACT, ExpectationRecord, MAX_UNEXPLAINED, Rule, UnexpectedOutcome};
 
 /// What came of a tracer on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub(super) fn cell(
         _ => (Verdict::Unstated, unstated(&measured)),
     };
     let unexplained = measured.iter().map(|each| each.unexplained).fold(0.0, f64::max);
-    let text = match unexplained > MOST_UNEXPLAINED {
+    let text = match unexplained > MAX_UNEXPLAINED {
         true => format!("{text}, of {} the cause is not known", percent(unexplained)),
         false => text,
     };
@@ -74,7 +74,7 @@ pub(super) fn unavailable(tracer: &str, expected: Option<&ExpectationRecord>) ->
     }
 }
 
-/// The greatest share of wrong rays over all strengths.
+/// The greatest share of wrong rays over all difficulty levels.
 fn worst(measured: &[Measured], rule: Rule) -> f64 {
     measured.iter().filter_map(|each| each.wrong).map(|wrong| wrong.under(rule)).fold(0.0, f64::max)
 }
@@ -88,30 +88,32 @@ fn unstated(measured: &[Measured]) -> String {
 }
 
 fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measured]) -> (Verdict, String) {
-    let values = &case.knob.values;
+    let values = &case.difficulty_parameter.values;
     let mut surprises: Vec<(Verdict, String)> = Vec::new();
     for (index, each) in measured.iter_mut().enumerate() {
-        let at = format!("at {} {}", each.strength, case.knob.unit);
+        let at = format!("at {} {}", each.difficulty_level, case.difficulty_parameter.unit);
         let at = at.trim_end();
-        let surprise = match each.wrong {
+        let unexpected_outcome = match each.wrong {
             None if each.refused && expected.may_be_refused(values, index) => None,
             // A limit of the device forbids it: which one depends on the device.
             None if each.unavailable && expected.refusable_from.is_some() => None,
             None => {
-                let reason = each.error.as_deref().unwrap_or("every ray is a tie");
+                let reason = each.error.as_deref().unwrap_or("every ray is ambiguous");
                 Some((Verdict::UnexpectedFailure, format!("UNEXPECTED failure {at}: {reason}")))
             }
-            Some(wrong) => expected.surprise(values, index, &wrong).map(|surprise| in_words(surprise, at)),
+            Some(wrong) => expected
+                .unexpected_outcome(values, index, &wrong)
+                .map(|unexpected_outcome| in_words(unexpected_outcome, at)),
         };
         // Answers where none were before are judged by nothing.
         let judged = each.wrong.is_none() || expected.expected_share(index).is_some();
-        each.as_expected = judged.then_some(surprise.is_none());
-        surprises.extend(surprise);
+        each.as_expected = judged.then_some(unexpected_outcome.is_none());
+        surprises.extend(unexpected_outcome);
     }
     if let Some(failure) = surprises.iter().find(|(verdict, _)| *verdict == Verdict::UnexpectedFailure) {
         return failure.clone();
     }
-    // Of successes the one at the hardest strength says most.
+    // Of successes the one at the hardest difficulty level says most.
     if let Some(success) = surprises.pop() {
         return success;
     }
@@ -120,7 +122,7 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
     // What the device does to it the text says.
     let mut say = |first: Option<&Measured>, what: &str, why: &str| {
         if let Some(first) = first {
-            let at = format!("{} {}", first.strength, case.knob.unit);
+            let at = format!("{} {}", first.difficulty_level, case.difficulty_parameter.unit);
             text.push_str(&format!(", {what} from {} on: {why}", at.trim_end()));
         }
     };
@@ -146,14 +148,14 @@ fn as_expected(expected: &ExpectationRecord, measured: &[Measured]) -> (Verdict,
     }
 }
 
-fn in_words(surprise: Surprise, at: &str) -> (Verdict, String) {
-    match surprise {
-        Surprise::Failure { wrong, rule, allowed } => {
+fn in_words(unexpected_outcome: UnexpectedOutcome, at: &str) -> (Verdict, String) {
+    match unexpected_outcome {
+        UnexpectedOutcome::Failure { wrong, rule, allowed } => {
             let (wrong, allowed, rule) = (percent(wrong), percent(allowed), rule.name());
             let text = format!("UNEXPECTED failure {at}: {wrong} wrong under {rule}, at most {allowed} expected");
             (Verdict::UnexpectedFailure, text)
         }
-        Surprise::Success { wrong, rule, expected } => {
+        UnexpectedOutcome::Success { wrong, rule, expected } => {
             let (wrong, expected, rule) = (percent(wrong), percent(expected), rule.name());
             let text = format!("UNEXPECTED success {at}: {wrong} wrong under {rule}, at least {expected} expected");
             (Verdict::UnexpectedSuccess, text)

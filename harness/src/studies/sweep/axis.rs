@@ -15,10 +15,10 @@ pub const RESOLUTION: &str = "resolution";
 const RESOLUTIONS: [&str; 4] = ["1/4", "1/2", "1", "2"];
 
 /// The most values of one axis: as many as a chart has room for.
-pub const MOST_VALUES: usize = 16;
+pub const MAX_VALUES: usize = 16;
 
 /// The greatest factor, and the greatest divisor.
-const MOST_TIMES: u32 = 64;
+const MAX_TIMES: u32 = 64;
 
 /// A multiple or a whole part of a resolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ impl Multiple {
 
     /// Reads `N` or `1/N`.
     pub fn parse(text: &str) -> Option<Self> {
-        let whole = |text: &str| text.parse().ok().filter(|number| (1..=MOST_TIMES).contains(number));
+        let whole = |text: &str| text.parse().ok().filter(|number| (1..=MAX_TIMES).contains(number));
         match text.split_once('/') {
             None => Some(Self { times: whole(text)?, over: 1 }),
             Some(("1", over)) => Some(Self { times: 1, over: whole(over)? }),
@@ -130,7 +130,7 @@ fn order(described: &ParameterDescription, a: &Value, b: &Value) -> Ordering {
 }
 
 fn whole(axis: AxisRecord) -> Result<AxisRecord, SweepError> {
-    if axis.values.len() > MOST_VALUES {
+    if axis.values.len() > MAX_VALUES {
         return Err(SweepError::TooManyValues { name: axis.name, values: axis.values.len() });
     }
     Ok(axis)
@@ -166,7 +166,7 @@ mod tests {
         assert!(Multiple::parse("2").unwrap().scale(large).is_err());
     }
 
-    /// Values stand in order, each once, the tracer's own among them, whatever is given.
+    /// Values are in order, each once, the tracer's own among them, whatever is given.
     #[test]
     fn axes_are_in_order() {
         let mut request = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);

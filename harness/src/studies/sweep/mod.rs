@@ -9,14 +9,14 @@ use std::collections::BTreeMap;
 use tracebench_api::ParameterError;
 use tracebench_scenes::Scene;
 
-pub use axis::{MOST_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis};
+pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis};
 
-use crate::measure::{self, Context, Effort, Measured, Request, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, Measured, Request, RunError, records};
 use crate::plan::{Plan, Resolution, RunPreset, TracerRequest};
-use crate::results::{AxisRecord, PointRecord, Run, SceneRecord, Skipped, SweepRecord, ViewpointRecord};
+use crate::results::{AxisRecord, PointRecord, Record, SceneRecord, Skipped, SweepRecord, ViewpointRecord};
 
 /// The most points of a sweep: a page has room for no more.
-pub const MOST_POINTS: usize = 128;
+pub const MAX_POINTS: usize = 128;
 
 /// Why a sweep cannot be planned. All are faults of what was asked for.
 #[derive(Debug, thiserror::Error)]
@@ -30,7 +30,7 @@ pub enum SweepError {
     /// A multiple that the preset's resolution does not have.
     #[error(
         "resolution = '{multiple}' of frame {}x{} and faces of {face} has edges that are no whole pixels or too large; \
-         choose others with --frame and --face",
+         choose others with --frame-size and --face-size",
         frame[0], frame[1]
     )]
     Resolution {
@@ -45,7 +45,7 @@ pub enum SweepError {
     #[error("{0} has no values worth sweeping; give some as {0}=...")]
     NothingToSweep(String),
     /// More values than a chart has room for.
-    #[error("{name} has {values} values, {MOST_VALUES} are the most")]
+    #[error("{name} has {values} values, {MAX_VALUES} are the most")]
     TooManyValues {
         /// The axis.
         name: String,
@@ -53,12 +53,12 @@ pub enum SweepError {
         values: usize,
     },
     /// More points than can be held.
-    #[error("{0} points, {MOST_POINTS} are the most; sweep fewer values")]
+    #[error("{0} points, {MAX_POINTS} are the most; sweep fewer values")]
     TooManyPoints(usize),
 }
 
 /// Where points are measured.
-pub(super) struct Spot<'a> {
+pub(super) struct PreparedWorkload<'a> {
     /// Its place in the plan.
     pub index: usize,
     /// The plan with the viewpoint.
@@ -66,12 +66,12 @@ pub(super) struct Spot<'a> {
     /// The scene.
     pub scene: Scene,
     /// How much is done for every point.
-    pub effort: Effort,
+    pub options: MeasureOptions,
 }
 
 /// A sweep that is ready to run.
 pub struct Sweep {
-    /// A contender for every point, in their order.
+    /// A configuration for every point, in their order.
     plan: Plan,
     record: SweepRecord,
 }
@@ -151,29 +151,29 @@ impl Sweep {
     ///
     /// # Errors
     /// As [`measure::execute`].
-    pub fn execute(mut self, required: bool, context: &Context<'_>) -> Result<Run, RunError> {
+    pub fn execute(mut self, required: bool, context: &Context<'_>) -> Result<Record, RunError> {
         context.check_rays(&self.plan, required)?;
-        let mut run = measure::begin(std::slice::from_ref(&self.plan), context);
+        let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
         for (index, scene) in measure::load(&self.plan, context.progress)?.into_iter().enumerate() {
             if context.takes(index) {
-                let (plan, effort) = (self.plan.clone(), Effort::timed(&self.plan));
-                let spot = Spot { index, plan: &plan, scene, effort };
-                self.measure(spot, &|found| found.scene.name.clone(), &mut run, context)?;
+                let (plan, options) = (self.plan.clone(), MeasureOptions::timed(&self.plan));
+                let prepared = PreparedWorkload { index, plan: &plan, scene, options };
+                self.measure(prepared, &|found| found.scene.name.clone(), &mut record, context)?;
             }
         }
-        self.finish(run, context)
+        self.finish(record, context)
     }
 
     /// Measures every point in one place, and gives scene and viewpoint. `place` names it where a point is skipped.
     pub(super) fn measure(
         &mut self,
-        Spot { index, plan, scene, effort }: Spot<'_>,
+        PreparedWorkload { index, plan, scene, options }: PreparedWorkload<'_>,
         place: &dyn Fn(&Measured) -> String,
-        run: &mut Run,
+        run: &mut Record,
         context: &Context<'_>,
     ) -> Result<(SceneRecord, ViewpointRecord), RunError> {
         let requests: Vec<Request> = self.plan.tracers.iter().map(Request::of).collect();
-        let found = measure::measure_scene(index, plan, scene, &requests, effort, None, context)?;
+        let found = measure::measure_scene(index, plan, scene, &requests, options, None, context)?;
         let (told, name) = ((found.scene.clone(), found.viewpoint.clone()), place(&found));
         for (point, (_, refusal)) in measure::add(run, found) {
             self.record.points[point].skipped.insert(name.clone(), refusal.reason);
@@ -182,28 +182,28 @@ impl Sweep {
     }
 
     /// The record of what was measured.
-    pub(super) fn finish(self, mut run: Run, context: &Context<'_>) -> Result<Run, RunError> {
-        self.say_skipped(&mut run);
-        if run.runs.is_empty() && context.shard.is_none() {
-            return Err(measure::nothing(&run));
+    pub(super) fn finish(self, mut record: Record, context: &Context<'_>) -> Result<Record, RunError> {
+        self.say_skipped(&mut record);
+        if record.rows.is_empty() && context.shard.is_none() {
+            return Err(measure::nothing(&record));
         }
-        run.sweep = Some(self.record);
-        Ok(run)
+        record.sweep = Some(self.record);
+        Ok(record)
     }
 
     /// Says of each point that is left out so once, by its values.
-    fn say_skipped(&self, run: &mut Run) {
+    fn say_skipped(&self, record: &mut Record) {
         for point in &self.record.points {
             let label = point.label(&self.record.axes);
             for (scene, reason) in &point.skipped {
                 let reason = if label.is_empty() { reason.clone() } else { format!("{label}: {reason}") };
                 let tracer = Some(self.record.tracer.clone());
-                run.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
+                record.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
             }
         }
     }
 }
 
 fn check_count(points: usize) -> Result<(), SweepError> {
-    if points > MOST_POINTS { Err(SweepError::TooManyPoints(points)) } else { Ok(()) }
+    if points > MAX_POINTS { Err(SweepError::TooManyPoints(points)) } else { Ok(()) }
 }

@@ -3,8 +3,8 @@
 use std::cell::Cell;
 
 use tracebench_api::{
-    Counter, Description, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Structure, TraceJob,
-    Tracer, TracerError, Update, Value, Viewpoint,
+    Counter, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Structure, TraceJob, Tracer,
+    TracerDescription, TracerError, Update, Value, Viewpoint,
 };
 use tracebench_bvh::BvhCpu;
 
@@ -14,11 +14,11 @@ use crate::plan::{SceneSource, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{Family, Registration};
-use crate::results::Sampling;
+use crate::results::SampleSchedule;
 use crate::truth::Cache;
 
 /// Structures that there is room for at once.
-const ROOM: usize = 2;
+const REGISTRATION: usize = 2;
 
 thread_local! {
     static HELD: Cell<usize> = const { Cell::new(0) };
@@ -47,7 +47,7 @@ impl Tracer for Roomless {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        if HELD.get() == ROOM || parameters.value("build") == Some(&Value::Choice("slow".to_owned())) {
+        if HELD.get() == REGISTRATION || parameters.value("build") == Some(&Value::Choice("slow".to_owned())) {
             return Err(too_large());
         }
         let built = BvhCpu.build(geometry, viewpoint, parameters, clock)?;
@@ -85,8 +85,8 @@ impl Structure for Held {
     }
 }
 
-fn description() -> Description {
-    Description { name: "roomless", ..tracebench_bvh::description() }
+fn description() -> TracerDescription {
+    TracerDescription { name: "roomless", ..tracebench_bvh::description() }
 }
 
 fn plan(own: &str) -> Plan {
@@ -99,17 +99,17 @@ fn plan(own: &str) -> Plan {
         tracers: vec![TracerRequest { required: true, ..request }],
         ray_sets: RAY_SETS[..1].to_vec(),
         ray_parameters: default_parameters(),
-        preset: RunPreset { ray_image: [8, 8], sampling: Sampling::rounds(1), ..smoke },
+        preset: RunPreset { ray_image: [8, 8], sampling: SampleSchedule::rounds(1), ..smoke },
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        end: tracebench_api::EndPoint::Hit,
+        trace_to: tracebench_api::TraceTo::Hit,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }
 
-fn swept(own: &str, values: &[&str]) -> Result<Run, RunError> {
+fn swept(own: &str, values: &[&str]) -> Result<Record, RunError> {
     let plan = plan(own);
     let values: Vec<String> = values.iter().map(|value| (*value).to_owned()).collect();
     let build = &description().parameters[0];
@@ -123,16 +123,16 @@ fn swept(own: &str, values: &[&str]) -> Result<Run, RunError> {
 /// skipped with the reason, once a scene and point, and that nothing is said of what was measured after all.
 #[test]
 fn what_fails_beside_others_is_tried_alone() {
-    let run = swept("medium", &["fastest", "very_fast", "fast", "slow"]).unwrap();
-    let sweep = run.sweep.as_ref().unwrap();
-    assert_eq!((sweep.points.len(), run.runs.len()), (5, 2 * 4));
+    let record = swept("medium", &["fastest", "very_fast", "fast", "slow"]).unwrap();
+    let sweep = record.sweep.as_ref().unwrap();
+    assert_eq!((sweep.points.len(), record.rows.len()), (5, 2 * 4));
     for point in &sweep.points {
-        let measured = run.runs.iter().filter(|one| point.is_of(one)).count();
+        let measured = record.rows.iter().filter(|one| point.is_of(one)).count();
         let skipped = point.skipped.keys().map(String::as_str).collect::<Vec<_>>();
         let expected = if point.values["build"] == "slow" { (0, vec!["room", "solids"]) } else { (2, Vec::new()) };
         assert_eq!((measured, skipped), expected, "{point:?}");
     }
-    let said: Vec<_> = run.skipped.iter().map(|one| (one.scene.as_str(), one.reason.as_str())).collect();
+    let said: Vec<_> = record.skipped.iter().map(|one| (one.scene.as_str(), one.reason.as_str())).collect();
     let reason = "build=slow: there is no room";
     let said_of: Vec<_> = said.iter().filter(|(_, said)| said.starts_with(reason)).map(|(scene, _)| *scene).collect();
     assert_eq!((said_of, said.len()), (vec!["room", "solids"], 2), "{said:?}");
@@ -142,8 +142,8 @@ fn what_fails_beside_others_is_tried_alone() {
 /// why once.
 #[test]
 fn own_values_may_fail() {
-    let run = swept("slow", &["fast"]).unwrap();
-    assert_eq!(run.runs.len(), 2);
+    let record = swept("slow", &["fast"]).unwrap();
+    assert_eq!(record.rows.len(), 2);
     let error = swept("slow", &["slow"]).unwrap_err().to_string();
     assert_eq!(error.matches("there is no room").count(), 1, "{error}");
 }

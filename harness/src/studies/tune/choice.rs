@@ -53,7 +53,7 @@ fn size(value: &str) -> f64 {
     value.parse().map_or(f64::INFINITY, f64::abs)
 }
 
-/// Whether anything of a set was judged: one of nothing but ties has no say.
+/// Whether anything of a set was judged: one of nothing but ambiguous rays has no say.
 fn has_scores(set: &SetTuned, rule: Rule) -> bool {
     set.values.iter().any(|each| score_of(set, &each.value, rule).is_some())
 }

@@ -11,10 +11,10 @@ pub use choice::{choose, interval, score};
 pub use tuning::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
 
 use crate::judge::Rule;
-use crate::measure::{self, Context, Effort, Measured, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, Measured, RunError, records};
 use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
-use crate::results::{AxisRecord, Run, Sampling, Skipped, TunedScene, TuningRecord, place_name};
-use crate::studies::sweep::{Spot, Sweep, SweepError};
+use crate::results::{AxisRecord, Record, SampleSchedule, Skipped, TunedScene, TuningRecord, place_name};
+use crate::studies::sweep::{PreparedWorkload, Sweep, SweepError};
 
 /// A parameter of a plan's only tracer, to be tuned.
 pub struct Tune {
@@ -32,7 +32,7 @@ impl Tune {
     pub fn new(plan: &Plan, request: &TracerRequest, axis: AxisRecord, rule: Rule) -> Result<Self, SweepError> {
         let plan = Plan {
             tracers: vec![request.clone()],
-            preset: RunPreset { sampling: Sampling::rounds(1), ..plan.preset },
+            preset: RunPreset { sampling: SampleSchedule::rounds(1), ..plan.preset },
             ..plan.clone()
         };
         Sweep::new(&plan, vec![axis.clone()], false)?;
@@ -44,34 +44,41 @@ impl Tune {
     ///
     /// # Errors
     /// [`RunError`] as its variants say.
-    pub fn execute(self, context: &Context<'_>) -> Result<Run, RunError> {
+    pub fn execute(self, context: &Context<'_>) -> Result<Record, RunError> {
         // What is wrong with the last scene is said before the first is measured.
         drop(measure::load(&self.plan, context.progress)?);
         context.check_rays(&self.plan, self.request.must_have_device())?;
         // Looked at when this was made: it cannot fail.
         let sweep = Sweep::new(&self.plan, vec![self.axis.clone()], false);
         let mut sweep = sweep.map_err(|error| RunError::Nothing(error.to_string()))?;
-        let mut run = measure::begin(std::slice::from_ref(&self.plan), context);
+        let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
         let mut scenes: Vec<TunedScene> = Vec::new();
         for (index, source) in self.plan.scenes.iter().enumerate().filter(|(index, _)| context.takes(*index)) {
             let own = &self.plan.view;
             for (view, request) in [own.clone(), ViewRequest::Other(Box::new(own.clone()))].into_iter().enumerate() {
                 let plan = Plan { scenes: vec![source.clone()], view: request, ..self.plan.clone() };
                 let Some(scene) = measure::load(&plan, context.progress)?.pop() else { continue };
-                let before = run.runs.len();
-                let spot = Spot { index: 2 * index + view, plan: &plan, scene, effort: Effort::untimed() };
+                let before = record.rows.len();
+                let spot = PreparedWorkload {
+                    index: 2 * index + view,
+                    plan: &plan,
+                    scene,
+                    options: MeasureOptions::untimed(),
+                };
                 let place = |found: &Measured| place_name(&found.scene, &found.viewpoint, view);
-                let found = sweep.measure(spot, &place, &mut run, context);
+                let found = sweep.measure(spot, &place, &mut record, context);
                 match found {
-                    Ok((scene, viewpoint)) if run.runs.len() > before => match scenes.last_mut().filter(|_| view > 0) {
-                        Some(last) => last.viewpoints.push(viewpoint),
-                        None => scenes.push(TunedScene { scene, viewpoints: vec![viewpoint] }),
-                    },
+                    Ok((scene, viewpoint)) if record.rows.len() > before => {
+                        match scenes.last_mut().filter(|_| view > 0) {
+                            Some(last) => last.viewpoints.push(viewpoint),
+                            None => scenes.push(TunedScene { scene, viewpoints: vec![viewpoint] }),
+                        }
+                    }
                     // Another viewpoint stands beside the own one or nowhere.
                     Ok(_) => break,
                     Err(error @ RunError::NoOtherView { .. }) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
-                        run.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
+                        record.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
                         break;
                     }
                     Err(error) => return Err(error),
@@ -79,7 +86,7 @@ impl Tune {
             }
         }
         let tracer = records::request_record(&self.request);
-        run.tuning = Some(TuningRecord { tracer, rule: self.rule, scenes });
-        sweep.finish(run, context)
+        record.tuning = Some(TuningRecord { tracer, rule: self.rule, scenes });
+        sweep.finish(record, context)
     }
 }

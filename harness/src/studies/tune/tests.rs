@@ -6,7 +6,7 @@ use tracebench_api::{ClockKind, Query};
 
 use super::*;
 use crate::report::fixture::{self, Quality};
-use crate::results::{Headline, Judgement};
+use crate::results::{Judgement, PerRule};
 
 const VALUES: [&str; 4] = ["0", "0.1", "0.2", "0.3"];
 
@@ -14,18 +14,18 @@ const VALUES: [&str; 4] = ["0", "0.1", "0.2", "0.3"];
 /// accuracy.
 fn judgement(query: Query, share: Option<f64>) -> Judgement {
     let quality = Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
-    let mut judgement = fixture::run(&[("t", quality)], &[("rays", query)]).runs.remove(0).traces.remove(0).judgement;
+    let mut judgement = fixture::run(&[("t", quality)], &[("rays", query)]).rows.remove(0).traces.remove(0).judgement;
     let turned = share.map(|share| 1.0 - share);
     match &mut judgement {
         Judgement::Closest(closest) => {
-            closest.agreement = Headline { hit_miss: turned, tight: turned, footprint: share };
+            closest.agreement = PerRule { hit_miss: turned, tight: turned, footprint: share };
         }
         Judgement::Any(any) => any.occlusion.balanced_accuracy = share,
     }
     judgement
 }
 
-/// A set with a score a value: `None` for one that could not be measured, `Some(None)` for nothing but ties.
+/// A set with a score a value: `None` for one that could not be measured, `Some(None)` for nothing but ambiguous rays.
 fn set(rays: &str, query: Query, scores: [Option<Option<f64>>; 4]) -> SetTuned {
     let value = |(value, score): (&str, Option<Option<f64>>)| ValueTuned {
         value: value.to_owned(),
@@ -47,9 +47,9 @@ fn plain(scores: [f64; 4]) -> SetTuned {
 /// A scene with a viewpoint for every list of sets.
 fn scene(views: Vec<Vec<SetTuned>>) -> SceneTuned {
     let quality = Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
-    let run = fixture::run(&[("t", quality)], &[]).runs.remove(0);
-    let view = |sets| ViewTuned { viewpoint: run.viewpoint.clone(), sets, controls: Vec::new() };
-    SceneTuned { scene: run.scene.clone(), views: views.into_iter().map(view).collect() }
+    let row = fixture::run(&[("t", quality)], &[]).rows.remove(0);
+    let view = |sets| ViewTuned { viewpoint: row.viewpoint.clone(), sets, controls: Vec::new() };
+    SceneTuned { scene: row.scene.clone(), views: views.into_iter().map(view).collect() }
 }
 
 fn value_of(set: &SetTuned, label: Label) -> Option<&str> {
@@ -63,7 +63,7 @@ fn tuned_here(set: SetTuned, rule: Rule) -> Option<String> {
 }
 
 /// Proves that the best value is the one with the greatest score by the rule that is asked for, the smaller of equal ones, and
-/// that what has no score (not measured, nothing but ties, no number) is never it.
+/// that what has no score (not measured, nothing but ambiguous rays, no number) is never it.
 #[test]
 fn the_best_value() {
     let some = |share: f64| Some(Some(share));

@@ -8,7 +8,7 @@ use tracebench_api::Query;
 use super::choice::choose;
 use crate::judge::Rule;
 use crate::results::{
-    AxisRecord, Judgement, Provenance, Run, SceneRecord, Skipped, SweepRecord, TraceRecord, TracerRecord, TracerRun,
+    AxisRecord, Judgement, Provenance, Record, Row, SceneRecord, Skipped, SweepRecord, TraceRecord, TracerRecord,
     TunedScene, ViewpointRecord, place_name,
 };
 
@@ -17,7 +17,7 @@ use crate::results::{
 pub struct Tuning {
     /// Where, by which program and when.
     pub provenance: Provenance,
-    /// Names of the controls that stand beside every contender.
+    /// Names of the controls that stand beside every configuration.
     pub control_names: Vec<String>,
     /// Seed of the ray sets.
     pub seed: u64,
@@ -54,7 +54,7 @@ pub struct ViewTuned {
     /// Its ray sets.
     pub sets: Vec<SetTuned>,
     /// The controls on the same rays.
-    pub controls: Vec<TracerRun>,
+    pub controls: Vec<Row>,
 }
 
 /// One ray set: every value traced the same rays.
@@ -131,7 +131,7 @@ pub struct Choice {
     pub label: Label,
     /// The value; `None` where there was nothing to choose by.
     pub value: Option<String>,
-    /// Its share of right answers on these rays by the rule; `None` if it was not measured or every ray is a tie.
+    /// Its share of right answers on these rays by the rule; `None` if it was not measured or every ray is an ambiguous ray.
     pub score: Option<f64>,
     /// What it loses on these rays to the values come by otherwise: their score less its own.
     pub lost_to: BTreeMap<Label, f64>,
@@ -139,23 +139,23 @@ pub struct Choice {
 
 impl Tuning {
     /// What a record says of a tuning, with the values that would have been chosen; `None` if it is of none.
-    pub fn of(run: &Run) -> Option<Self> {
-        let (tuning, sweep) = (run.tuning.as_ref()?, run.sweep.as_ref()?);
+    pub fn of(record: &Record) -> Option<Self> {
+        let (tuning, sweep) = (record.tuning.as_ref()?, record.sweep.as_ref()?);
         let axis = sweep.axes.first()?.clone();
         let mut scenes: Vec<SceneTuned> =
-            tuning.scenes.iter().map(|scene| SceneTuned::of(run, sweep, &axis, scene)).collect();
+            tuning.scenes.iter().map(|scene| SceneTuned::of(record, sweep, &axis, scene)).collect();
         choose(&mut scenes, &axis.own, tuning.rule);
         Some(Self {
-            provenance: run.provenance.clone(),
-            control_names: run.control_names.clone(),
-            seed: run.seed,
-            preset: run.preset.clone(),
-            ray_parameters: run.ray_parameters.clone(),
+            provenance: record.provenance.clone(),
+            control_names: record.control_names.clone(),
+            seed: record.seed,
+            preset: record.preset.clone(),
+            ray_parameters: record.ray_parameters.clone(),
             tracer: tuning.tracer.clone(),
             axis,
             rule: tuning.rule,
             scenes,
-            skipped: run.skipped.clone(),
+            skipped: record.skipped.clone(),
         })
     }
 }
@@ -170,15 +170,15 @@ impl Tuning {
 }
 
 impl SceneTuned {
-    fn of(run: &Run, sweep: &SweepRecord, axis: &AxisRecord, tuned: &TunedScene) -> Self {
+    fn of(record: &Record, sweep: &SweepRecord, axis: &AxisRecord, tuned: &TunedScene) -> Self {
         let view = |(view, viewpoint): (usize, &ViewpointRecord)| {
-            let here = |one: &&TracerRun| one.scene == tuned.scene && one.viewpoint == *viewpoint;
-            let runs: Vec<&TracerRun> = run.runs.iter().filter(here).collect();
-            let controls: Vec<TracerRun> = run.controls.iter().filter(here).cloned().collect();
+            let here = |one: &&Row| one.scene == tuned.scene && one.viewpoint == *viewpoint;
+            let rows: Vec<&Row> = record.rows.iter().filter(here).collect();
+            let controls: Vec<Row> = record.controls.iter().filter(here).cloned().collect();
             let place = place_name(&tuned.scene, viewpoint, view);
             let value = |value: &String, rays_sha256: &str| {
                 let point = sweep.point(&axis.name, value, &[]);
-                let found = point.and_then(|point| runs.iter().find(|one| point.is_of(one)));
+                let found = point.and_then(|point| rows.iter().find(|one| point.is_of(one)));
                 let trace = found.and_then(|one| one.traces.iter().find(|trace| trace.rays_sha256 == rays_sha256));
                 let skipped = point.and_then(|point| point.skipped.get(&place).cloned());
                 let judged = trace.map(|trace| {
@@ -189,7 +189,7 @@ impl SceneTuned {
                 });
                 ValueTuned { value: value.clone(), judged, skipped }
             };
-            let traces = controls.first().or(runs.first().copied()).map_or(&[][..], |first| &first.traces);
+            let traces = controls.first().or(rows.first().copied()).map_or(&[][..], |first| &first.traces);
             let set = |trace: &TraceRecord| SetTuned {
                 rays: trace.rays.clone(),
                 rays_sha256: trace.rays_sha256.clone(),

@@ -11,10 +11,10 @@ use glam::Vec3;
 use tracebench_api::Update;
 use tracebench_scenes::Scene;
 
-use crate::measure::{self, Context, Effort, Film, Request, RunError, records};
+use crate::measure::{self, AnimationFrames, Context, MeasureOptions, Request, RunError, records};
 use crate::peers::{Subject, Table};
 use crate::plan::{Plan, TracerRequest};
-use crate::results::{FRESH_BUILD, Run, SceneFollowed, Skipped, TracerRecord, TracerRun, UpdatesRecord, WayRecord};
+use crate::results::{FRESH_BUILD, Record, Row, SceneFollowed, Skipped, TracerRecord, UpdateModeRecord, UpdatesRecord};
 
 pub use totals::{Total, Walker, walkers};
 
@@ -26,7 +26,7 @@ pub const DEFAULT_FRAMES: u32 = 8;
 
 /// A way to follow an animation, as data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Way {
+pub struct UpdateMode {
     /// Its name in tables.
     pub name: &'static str,
     /// What is asked for at every frame.
@@ -35,22 +35,23 @@ pub struct Way {
     pub setting: Option<(&'static str, &'static str)>,
 }
 
-const REBUILD: Way = Way { name: "rebuild", update: Update::Rebuild, setting: None };
-const REFIT: Way = Way { name: "refit", update: Update::Refit, setting: None };
+const REBUILD: UpdateMode = UpdateMode { name: "rebuild", update: Update::Rebuild, setting: None };
+const REFIT: UpdateMode = UpdateMode { name: "refit", update: Update::Refit, setting: None };
 
 /// Every way to follow an animation.
-pub const WAYS: &[Way] = &[
+pub const UPDATE_MODES: &[UpdateMode] = &[
     REBUILD,
     REFIT,
     // At 8 frames the last two are refits after a rebuild.
-    Way { name: "refit, rebuild every 3", update: Update::Refit, setting: Some(("rebuild_every", "3")) },
+    UpdateMode { name: "refit, rebuild every 3", update: Update::Refit, setting: Some(("rebuild_every", "3")) },
 ];
 
 /// Every way to another frame of the camera's path. What comes of each depends on the first frame and this one alone, whatever lies
 /// between them.
-pub const WALKED: &[Way] = &[Way { name: "reuse", update: Update::Reuse, setting: None }, REFIT, REBUILD];
+pub const PATH_UPDATE_MODES: &[UpdateMode] =
+    &[UpdateMode { name: "reuse", update: Update::Reuse, setting: None }, REFIT, REBUILD];
 
-impl Way {
+impl UpdateMode {
     /// The tracer as it goes this way, if it can.
     fn taken_by(&self, request: &TracerRequest) -> Option<TracerRequest> {
         let mut request = request.clone();
@@ -65,37 +66,37 @@ impl Way {
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -> Result<Run, RunError> {
-    let mut run = measure::begin(std::slice::from_ref(plan), context);
-    run.table = Some(table.name.to_owned());
-    let walked = table.subject == Subject::Walked;
-    let samples = plan.preset.sampling.least_rounds;
+pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -> Result<Record, RunError> {
+    let mut record = measure::begin(std::slice::from_ref(plan), context);
+    record.table = Some(table.name.to_owned());
+    let frame_scene_sha256 = table.subject == Subject::Walked;
+    let samples = plan.preset.sampling.min_rounds;
     // Every frame of a film is counted, of a walk one frame at a time.
-    let passes = if walked { samples } else { samples.div_ceil(frames) };
+    let passes = if frame_scene_sha256 { samples } else { samples.div_ceil(frames) };
     let mut updates = UpdatesRecord { frames, passes, scenes: Vec::new() };
     for (index, scene) in measure::load_at(plan, None, context.progress)?.into_iter().enumerate() {
         if !context.takes(index) {
             continue;
         }
-        if walked {
-            updates.scenes.extend(walk::measure(index, plan, scene, frames, passes, &mut run, context)?);
+        if frame_scene_sha256 {
+            updates.scenes.extend(walk::measure(index, plan, scene, frames, passes, &mut record, context)?);
             continue;
         }
         if scene.animation.is_none() {
             let reason = "it does not move".to_owned();
-            run.skipped.push(Skipped { tracer: None, scene: scene.name, rays: None, reason });
+            record.skipped.push(Skipped { tracer: None, scene: scene.name, rays: None, reason });
             continue;
         }
         let film = Followed::new(scene, frames)?;
         updates.scenes.push(film.record());
-        measure_film(index, plan, film, passes, &mut run, context)?;
+        measure_film(index, plan, film, passes, &mut record, context)?;
     }
-    if run.runs.is_empty() && context.shard.is_none() {
+    if record.rows.is_empty() && context.shard.is_none() {
         let reason = |skipped: &Skipped| format!("{}: {}", skipped.scene, skipped.reason);
-        return Err(RunError::Nothing(run.skipped.iter().map(reason).collect::<Vec<_>>().join("; ")));
+        return Err(RunError::Nothing(record.skipped.iter().map(reason).collect::<Vec<_>>().join("; ")));
     }
-    run.updates = Some(updates);
-    Ok(run)
+    record.updates = Some(updates);
+    Ok(record)
 }
 
 /// A scene at its last frame, with the vertices of every frame before.
@@ -127,7 +128,7 @@ impl Followed {
 
     fn record(&self) -> SceneFollowed {
         let (scene, scene_sha256) = (self.scene.name.clone(), self.scene.sha256.clone());
-        SceneFollowed { scene, scene_sha256, times_s: self.times_s.clone(), walked: Vec::new() }
+        SceneFollowed { scene, scene_sha256, times_s: self.times_s.clone(), frame_scene_sha256: Vec::new() }
     }
 }
 
@@ -137,13 +138,13 @@ fn farthest(from: &[[f32; 3]], to: &[[f32; 3]]) -> f64 {
     from.iter().zip(to).map(moved).fold(0.0, f64::max)
 }
 
-/// A tracer as it stands in the table, and the way that it goes.
+/// A tracer as it is in the table, and the way that it goes.
 #[derive(Clone)]
 struct Role<'a> {
     /// Without what the way sets.
     request: &'a TracerRequest,
     /// None for a build over the frame that is traced.
-    way: Option<&'static Way>,
+    update_mode: Option<&'static UpdateMode>,
     /// The frame, where rays are traced at every one.
     frame: Option<u32>,
     /// What makes its structure stale there.
@@ -151,37 +152,46 @@ struct Role<'a> {
 }
 
 impl Role<'_> {
-    fn way(&self) -> &'static str {
-        self.way.map_or(FRESH_BUILD, |way| way.name)
+    fn update_mode(&self) -> &'static str {
+        self.update_mode.map_or(FRESH_BUILD, |update_mode| update_mode.name)
     }
 
     /// The way, and the frame where there are several.
     fn said(&self) -> String {
-        self.frame.map_or_else(|| self.way().to_owned(), |frame| format!("{}, frame {frame}", self.way()))
+        self.frame
+            .map_or_else(|| self.update_mode().to_owned(), |frame| format!("{}, frame {frame}", self.update_mode()))
     }
 
     /// What is asked for, if the tracer can go the way. Not being able to measure one is no error.
     fn asked(&self) -> Option<Request> {
-        let going = self.way.map_or_else(|| Some(self.request.clone()), |way| way.taken_by(self.request))?;
+        let going = self
+            .update_mode
+            .map_or_else(|| Some(self.request.clone()), |update_mode| update_mode.taken_by(self.request))?;
         let tracer = TracerRequest { required: false, ..going };
-        Some(Request { tracer, follows: self.way.map(|way| way.update) })
+        Some(Request { tracer, follows: self.update_mode.map(|update_mode| update_mode.update) })
     }
 }
 
 /// Every tracer of a plan with the ways that it can go; in the run, what their methods do not have. `None` is a fresh build.
-fn roles<'a>(plan: &'a Plan, scene: &str, ways: &[Option<&'static Way>], run: &mut Run) -> Vec<Role<'a>> {
+fn roles<'a>(
+    plan: &'a Plan,
+    scene: &str,
+    update_modes: &[Option<&'static UpdateMode>],
+    record: &mut Record,
+) -> Vec<Role<'a>> {
     let mut roles = Vec::new();
     // A tracer's ways stand together.
     for request in &plan.tracers {
-        for way in ways.iter().copied() {
-            let role = Role { request, way, frame: None, stale_by: Vec::new() };
+        for update_mode in update_modes.iter().copied() {
+            let role = Role { request, update_mode, frame: None, stale_by: Vec::new() };
             let Some(asked) = role.asked() else { continue };
             let served = asked.follows.map_or(Ok(()), |update| (request.registration.describe)().serves(update));
             match served {
                 Ok(()) => roles.push(role),
                 Err(error) => {
-                    let (tracer, reason) = (Some(format!("{} ({})", request.name(), role.way())), error.to_string());
-                    run.skipped.push(Skipped { tracer, scene: scene.to_owned(), rays: None, reason });
+                    let (tracer, reason) =
+                        (Some(format!("{} ({})", request.name(), role.update_mode())), error.to_string());
+                    record.skipped.push(Skipped { tracer, scene: scene.to_owned(), rays: None, reason });
                 }
             }
         }
@@ -194,15 +204,15 @@ fn measure_film(
     plan: &Plan,
     film: Followed,
     passes: u32,
-    run: &mut Run,
+    record: &mut Record,
     context: &Context<'_>,
 ) -> Result<(), RunError> {
     let Followed { scene, positions, .. } = film;
     let plan = Plan { time_s: scene.time_s, ..plan.clone() };
-    let ways: Vec<_> = std::iter::once(None).chain(WAYS.iter().map(Some)).collect();
-    let roles = roles(&plan, &scene.name, &ways, run);
-    let film = Film::new(&scene, positions, None, passes);
-    measure_roles(index, &plan, scene, Some(film), &roles, run, context)
+    let update_modes: Vec<_> = std::iter::once(None).chain(UPDATE_MODES.iter().map(Some)).collect();
+    let roles = roles(&plan, &scene.name, &update_modes, record);
+    let film = AnimationFrames::new(&scene, positions, None, passes);
+    measure_roles(index, &plan, scene, Some(film), &roles, record, context)
 }
 
 /// Measures roles in a scene, which is the last frame of the film, if there is one.
@@ -210,36 +220,41 @@ fn measure_roles(
     index: usize,
     plan: &Plan,
     scene: Scene,
-    film: Option<Film>,
+    film: Option<AnimationFrames>,
     roles: &[Role<'_>],
-    run: &mut Run,
+    record: &mut Record,
     context: &Context<'_>,
 ) -> Result<(), RunError> {
     let asked = roles.iter().filter_map(|role| Some((role, role.asked()?)));
     let (roles, requests): (Vec<&Role<'_>>, Vec<Request>) = asked.unzip();
-    let effort = Effort::timed(plan);
-    let mut found = measure::measure_film(index, plan, (scene, film), &requests, effort, None, context)?;
+    let options = MeasureOptions::timed(plan);
+    let mut found = measure::measure_film(index, plan, (scene, film), &requests, options, None, context)?;
     for (row, role) in found.rows.iter_mut().zip(roles.iter().copied()) {
         if let Ok(row) = row {
             *row = row_of(row.clone(), role);
         }
     }
-    for (place, refused) in measure::add(run, found) {
-        measure::refuse(run, roles[place].request.name(), Some(&roles[place].said()), refused);
+    for (place, refused) in measure::add(record, found) {
+        measure::refuse(record, roles[place].request.name(), Some(&roles[place].said()), refused);
     }
     Ok(())
 }
 
 /// What was measured of a tracer that was asked for otherwise than it went.
-fn row_of(run: TracerRun, role: &Role<'_>) -> TracerRun {
+fn row_of(row: Row, role: &Role<'_>) -> Row {
     let parameters = records::json_values(&role.request.parameters);
-    let mut of_way = run.tracer.parameters.clone();
-    of_way.retain(|name, value| parameters.get(name) != Some(value));
-    let (frame, stale_by) = (role.frame, role.stale_by.clone());
-    TracerRun {
-        way: Some(WayRecord { name: role.way().to_owned(), parameters: of_way, frame, stale_by }),
-        tracer: TracerRecord { parameters, changed: role.request.changed.clone(), ..run.tracer },
-        ..run
+    let mut of_update_mode = row.tracer.parameters.clone();
+    of_update_mode.retain(|name, value| parameters.get(name) != Some(value));
+    let (frame_index, stale_by) = (role.frame, role.stale_by.clone());
+    Row {
+        update_mode: Some(UpdateModeRecord {
+            name: role.update_mode().to_owned(),
+            parameters: of_update_mode,
+            frame_index,
+            stale_by,
+        }),
+        tracer: TracerRecord { parameters, changed: role.request.changed.clone(), ..row.tracer },
+        ..row
     }
 }
 
@@ -254,20 +269,23 @@ mod tests {
     /// set stays.
     #[test]
     fn ways_are_taken_by_those_who_can() {
-        for (index, way) in WAYS.iter().enumerate() {
-            assert!(WAYS[..index].iter().all(|other| other.name != way.name) && way.name != FRESH_BUILD);
+        for (index, update_mode) in UPDATE_MODES.iter().enumerate() {
+            assert!(
+                UPDATE_MODES[..index].iter().all(|other| other.name != update_mode.name)
+                    && update_mode.name != FRESH_BUILD
+            );
             for registration in TRACERS {
                 let request = TracerRequest::of(registration, Preset::Published);
                 let parameters = (registration.describe)().parameters;
-                let can = way.setting.is_none_or(|(name, _)| parameters.iter().any(|each| each.name == name));
-                assert_eq!(way.taken_by(&request).is_some(), can, "{} of {}", way.name, request.name());
+                let can = update_mode.setting.is_none_or(|(name, _)| parameters.iter().any(|each| each.name == name));
+                assert_eq!(update_mode.taken_by(&request).is_some(), can, "{} of {}", update_mode.name, request.name());
             }
         }
         let request = TracerRequest::of(&TRACERS[0], Preset::Published);
-        let build = Way { name: "other", update: Update::Refit, setting: Some(("build", "fastest")) };
+        let build = UpdateMode { name: "other", update: Update::Refit, setting: Some(("build", "fastest")) };
         let fastest = Value::Choice("fastest".to_owned());
         assert_eq!(build.taken_by(&request).unwrap().parameters.value("build"), Some(&fastest));
-        let wrong = Way { setting: Some(("build", "no such")), ..build };
+        let wrong = UpdateMode { setting: Some(("build", "no such")), ..build };
         assert!(wrong.taken_by(&request).is_none());
     }
 

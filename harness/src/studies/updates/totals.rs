@@ -2,17 +2,17 @@
 
 use tracebench_api::{ClockKind, Update};
 
-use crate::results::{FRESH_BUILD, Run, SceneFollowed, Times, TraceRecord, TracerRun, host_ms};
+use crate::results::{FRESH_BUILD, Record, Row, SceneFollowed, Times, TraceRecord, host_ms};
 
 /// A tracer that goes one way through the frames of a scene, with the rays of one set.
 #[derive(Clone, Debug)]
 pub struct Walker<'a> {
     /// The way.
-    pub way: &'a str,
+    pub update_mode: &'a str,
     /// What makes its structure stale at any frame.
     pub stale_by: Vec<&'a str>,
     /// By frame, the first a fresh build; `None` where it could not be measured.
-    pub frames: Vec<Option<(&'a TracerRun, &'a TraceRecord)>>,
+    pub frames: Vec<Option<(&'a Row, &'a TraceRecord)>>,
 }
 
 /// The time of all frames together.
@@ -27,33 +27,38 @@ pub struct Total {
 }
 
 /// Every tracer and way through a scene's frames with a set of rays, in the order of rows.
-pub fn walkers<'a>(run: &'a Run, scene: &'a SceneFollowed, rays: &str) -> Vec<Walker<'a>> {
-    let way = |row: &'a TracerRun| row.way.as_ref().map_or(FRESH_BUILD, |way| way.name.as_str());
-    let trace = |row: &'a TracerRun| Some((row, row.traces.iter().find(|trace| trace.rays == rays)?));
+pub fn walkers<'a>(record: &'a Record, scene: &'a SceneFollowed, rays: &str) -> Vec<Walker<'a>> {
+    let update_mode =
+        |row: &'a Row| row.update_mode.as_ref().map_or(FRESH_BUILD, |update_mode| update_mode.name.as_str());
+    let trace = |row: &'a Row| Some((row, row.traces.iter().find(|trace| trace.rays == rays)?));
     let at = |frame: usize| {
-        let is_there = move |row: &&TracerRun| {
-            let there = row.way.as_ref().and_then(|way| way.frame) == Some(frame as u32);
-            there && row.scene.name == scene.scene && row.scene.sha256 == scene.walked[frame]
+        let is_there = move |row: &&Row| {
+            let there = row.update_mode.as_ref().and_then(|update_mode| update_mode.frame_index) == Some(frame as u32);
+            there && row.scene.name == scene.scene && row.scene.sha256 == scene.frame_scene_sha256[frame]
         };
-        run.runs.iter().filter(is_there)
+        record.rows.iter().filter(is_there)
     };
     let mut walkers: Vec<Walker<'a>> = Vec::new();
     for first in at(0) {
-        for row in (1..scene.walked.len()).flat_map(at).filter(|row| row.tracer == first.tracer) {
-            let frame = row.way.as_ref().and_then(|way| way.frame).map_or(0, |frame| frame as usize);
+        for row in (1..scene.frame_scene_sha256.len()).flat_map(at).filter(|row| row.tracer == first.tracer) {
+            let frame = row
+                .update_mode
+                .as_ref()
+                .and_then(|update_mode| update_mode.frame_index)
+                .map_or(0, |frame| frame as usize);
             let known = walkers.iter().position(|known| {
                 let of = known.frames[0].map(|(first, _)| &first.tracer);
-                of == Some(&first.tracer) && known.way == way(row)
+                of == Some(&first.tracer) && known.update_mode == update_mode(row)
             });
             let known = known.unwrap_or_else(|| {
-                let mut frames = vec![None; scene.walked.len()];
+                let mut frames = vec![None; scene.frame_scene_sha256.len()];
                 frames[0] = trace(first);
-                walkers.push(Walker { way: way(row), stale_by: Vec::new(), frames });
+                walkers.push(Walker { update_mode: update_mode(row), stale_by: Vec::new(), frames });
                 walkers.len() - 1
             });
             let walker = &mut walkers[known];
             walker.frames[frame] = trace(row);
-            for change in row.way.iter().flat_map(|way| &way.stale_by) {
+            for change in row.update_mode.iter().flat_map(|update_mode| &update_mode.stale_by) {
                 if !walker.stale_by.contains(&change.as_str()) {
                     walker.stale_by.push(change);
                 }
@@ -71,7 +76,7 @@ impl<'a> Walker<'a> {
         for (frame, there) in self.frames.iter().enumerate() {
             let (row, trace) = (*there)?;
             // What is reused has nothing done to it.
-            let done = frame == 0 || self.way != Update::Reuse.name();
+            let done = frame == 0 || self.update_mode != Update::Reuse.name();
             parts.extend(done.then(|| row.build.first()));
             parts.push(&trace.times);
         }

@@ -3,17 +3,17 @@
 //! The camera goes evenly along the scene's path, from its begin to its end; in a scene without one straight from the viewpoint
 //! that it is seen from to another one of it ([`crate::viewpoint::other`]). A scene that moves does so over the same frames. At
 //! the first frame all build. At every later one a structure that was built over the first has been brought to it in each of the
-//! ways [`WALKED`], which is what is timed. What is reused although the change invalidates it is traced and judged like all
+//! ways [`PATH_UPDATE_MODES`], which is what is timed. What is reused although the change invalidates it is traced and judged like all
 //! others, and its rows say so.
 
 use glam::Vec3;
 use tracebench_api::{Geometry, Invalidation, Update};
 use tracebench_scenes::Scene;
 
-use super::{Followed, Role, WALKED, measure_roles, roles};
-use crate::measure::{Context, Film, RunError, choose_pose, records};
+use super::{Followed, PATH_UPDATE_MODES, Role, measure_roles, roles};
+use crate::measure::{AnimationFrames, Context, RunError, choose_pose, records};
 use crate::plan::{Plan, TracerRequest, ViewRequest};
-use crate::results::{Run, SceneFollowed, Skipped};
+use crate::results::{Record, SceneFollowed, Skipped};
 use crate::truth::Truth;
 use crate::viewpoint::Pose;
 
@@ -27,7 +27,7 @@ pub(super) fn measure(
     scene: Scene,
     frames: u32,
     passes: u32,
-    run: &mut Run,
+    record: &mut Record,
     context: &Context<'_>,
 ) -> Result<Option<SceneFollowed>, RunError> {
     let Followed { scene, times_s, positions } = Followed::new(scene, frames)?;
@@ -42,7 +42,7 @@ pub(super) fn measure(
         Ok(poses) => poses,
         Err(error @ RunError::NoOtherView { .. }) => {
             let (scene, reason) = (first.name, format!("it has no camera path, and {error}"));
-            run.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
+            record.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
             return Ok(None);
         }
         Err(error) => return Err(error),
@@ -58,37 +58,37 @@ pub(super) fn measure(
         scene: first.name.clone(),
         scene_sha256: first.sha256.clone(),
         times_s: times_s.clone(),
-        walked: vec![first.sha256.clone()],
+        frame_scene_sha256: vec![first.sha256.clone()],
     };
-    let begun = run.runs.len();
-    let mut fresh = roles(plan, &followed.scene, &[None], run);
+    let begun = record.rows.len();
+    let mut fresh = roles(plan, &followed.scene, &[None], record);
     fresh.iter_mut().for_each(|role| role.frame = Some(0));
-    measure_roles(index, &plan_at(0, plan), first, None, &fresh, run, context)?;
+    measure_roles(index, &plan_at(0, plan), first, None, &fresh, record, context)?;
     // Who cannot build has been told of.
     let has_built =
-        |request: &TracerRequest| run.runs[begun..].iter().any(|row| row.tracer == records::request_record(request));
+        |request: &TracerRequest| record.rows[begun..].iter().any(|row| row.tracer == records::request_record(request));
     let tracers: Vec<TracerRequest> = plan.tracers.iter().filter(|request| has_built(request)).cloned().collect();
     if tracers.is_empty() {
         return Ok(None);
     }
     let plan = Plan { tracers, ..plan.clone() };
-    let ways: Vec<_> = WALKED.iter().map(Some).collect();
-    let going = roles(&plan, &followed.scene, &ways, run);
+    let update_modes: Vec<_> = PATH_UPDATE_MODES.iter().map(Some).collect();
+    let going = roles(&plan, &followed.scene, &update_modes, record);
     for frame in 1..positions.len() {
         context.progress.say(&format!("frame {frame} of {frames}"));
         let there = at(frame)?;
         let moved = Moved {
-            geometry: there.sha256 != followed.walked[0],
+            geometry: there.sha256 != followed.frame_scene_sha256[0],
             viewpoint: (poses[frame].eye, poses[frame].target) != (poses[0].eye, poses[0].target),
         };
-        followed.walked.push(there.sha256.clone());
+        followed.frame_scene_sha256.push(there.sha256.clone());
         let roles: Vec<Role<'_>> = going
             .iter()
             .map(|role| Role { frame: Some(frame as u32), stale_by: moved.stale(role), ..role.clone() })
             .collect();
         let both = vec![positions[0].clone(), positions[frame].clone()];
-        let film = Film::new(&there, both, Some(built_from), passes);
-        measure_roles(index + frame, &plan_at(frame, &plan), there, Some(film), &roles, run, context)?;
+        let film = AnimationFrames::new(&there, both, Some(built_from), passes);
+        measure_roles(index + frame, &plan_at(frame, &plan), there, Some(film), &roles, record, context)?;
     }
     Ok(Some(followed))
 }
@@ -102,7 +102,7 @@ struct Moved {
 impl Moved {
     /// What makes a role's structure stale: only what is reused can be.
     fn stale(&self, role: &Role<'_>) -> Vec<String> {
-        let reused = role.way.is_some_and(|way| way.update == Update::Reuse);
+        let reused = role.update_mode.is_some_and(|update_mode| update_mode.update == Update::Reuse);
         let invalid = (role.request.registration.describe)().invalidated_by;
         let changes = [
             (self.geometry, Invalidation::Geometry, "geometry"),

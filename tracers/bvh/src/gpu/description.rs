@@ -1,9 +1,9 @@
 //! The parameters of `bvh-gpu`.
 
 use tracebench_api::{
-    Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
+    Invalidation, Parameter, ParameterScope, Query, Residency, TraceTo, TracerDescription, choice, parameters,
 };
-use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_kit::{MemoryAccess, memory_access_parameter, rays_per_lane_parameter};
 
 use crate::input::{BuildPreset, build_parameter};
 choice! {
@@ -16,14 +16,14 @@ parameters! {
     pub(crate) struct GpuParameters {
         build: BuildPreset = build_parameter(),
         node: NodeKind = node_parameter(),
-        reads: Reads = reads_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
 
 /// What `bvh-gpu` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "bvh-gpu",
         citation: "Ylitie, Karras, Laine: Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, \
                    HPG 2017; built by the obvhs crate",
@@ -31,7 +31,7 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: None,
         parameters: GpuParameters::describe(),

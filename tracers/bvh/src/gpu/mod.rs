@@ -18,7 +18,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, Search, SurfaceGeometry};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, MemoryAccess, Search, SearchJob, SurfaceGeometry};
 
 use description::GpuParameters;
 pub use description::description;
@@ -55,7 +55,7 @@ impl BvhGpuStructure {
 /// Lays a hierarchy out and uploads it.
 fn place(
     gpu: &Gpu,
-    reads: Reads,
+    memory_access: MemoryAccess,
     tree: &Tree,
     triangles: &[Triangle],
     there: Option<&Resident>,
@@ -65,7 +65,7 @@ fn place(
     let (depth, ordered) = clock.host_phase("order triangles", || (tree.depth(), tree.order(triangles)));
     ledger.borrow_transient(size_of_val(ordered.as_slice()) as u64);
     let depth = depth?;
-    let upload = || Resident::upload(gpu, reads, tree, depth, &ordered, there);
+    let upload = || Resident::upload(gpu, memory_access, tree, depth, &ordered, there);
     let resident = clock.host_phase("upload (until done)", upload)?;
     resident.enter(ledger);
     Ok(resident)
@@ -74,13 +74,8 @@ fn place(
 impl Search for BvhGpuStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         self.searches.record(self.searched(job)?, job, hits, counting, clock)
     }
 
@@ -92,16 +87,8 @@ impl Search for BvhGpuStructure {
 impl DeviceStructure for BvhGpuStructure {
     type Pipelines = Searches;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Searches, TracerError> {
-        Searches::new(gpu)
-    }
-
-    fn build(
-        searches: &Arc<Searches>,
-        BuildJob { geometry, parameters, .. }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(searches: &Arc<Searches>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, parameters, before, clock, .. } = job;
         let parameters = &GpuParameters::try_from(parameters)?;
         let there = before.map(|before| &before.resident);
         // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.
@@ -112,7 +99,7 @@ impl DeviceStructure for BvhGpuStructure {
         ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
         let tree = Tree::build(&triangles, parameters, &mut ledger, clock);
         ledger.borrow_transient((tree.node_bytes().len() + size_of_val(tree.primitive_indices())) as u64);
-        let resident = place(&searches.gpu, parameters.reads, &tree, &triangles, there, &mut ledger, clock)?;
+        let resident = place(&searches.gpu, parameters.memory_access, &tree, &triangles, there, &mut ledger, clock)?;
         Ok(Self {
             searches: Arc::clone(searches),
             scale,
@@ -137,8 +124,8 @@ impl DeviceStructure for BvhGpuStructure {
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || tree.refit(&triangles));
-        let (reads, there) = (self.resident.reads(), Some(&self.resident));
-        self.resident = place(&gpu, reads, &tree, &triangles, there, &mut Ledger::new(), clock)?;
+        let (memory_access, there) = (self.resident.memory_access(), Some(&self.resident));
+        self.resident = place(&gpu, memory_access, &tree, &triangles, there, &mut Ledger::new(), clock)?;
         (self.scale, self.geometry) = (scale, surfaces);
         self.fitted = Some(tree);
         Ok(())

@@ -2,13 +2,13 @@
 
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{LANES_OF_WORKGROUP, ReadSlot, Readable, Reads};
+use tracebench_kit::{LANES_OF_WORKGROUP, MemoryAccess, ReadSlot, Readable};
 
 use super::description::NodeKind;
 use super::layout::{DeviceTriangle, Tree};
 use super::search::{private_stack, stack_entry_bytes};
 
-const TURN_DOWN: &str = "the scene's triangle count, or take a build without splits (--set bvh-gpu.build=medium)";
+const HINT: &str = "the scene's triangle count, or take a build without splits (--set bvh-gpu.build=medium)";
 
 pub(crate) const TRIANGLES: &str = "triangles in leaf order";
 
@@ -24,7 +24,7 @@ const STACKS: &str = "traversal stacks";
 const STACK_BYTES: u64 = 32 << 20;
 
 /// Most lanes that have stacks in device memory.
-const MOST_DEEP_LANES: u64 = 1 << 16;
+const MAX_DEEP_LANES: u64 = 1 << 16;
 
 /// Nodes, triangles in the order of the leaves and, for a hierarchy too deep for private stacks, stacks.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl Resident {
     /// [`TracerError::TooLarge`] if the device cannot hold a part.
     pub(crate) fn upload(
         gpu: &Gpu,
-        reads: Reads,
+        memory_access: MemoryAccess,
         tree: &Tree,
         depth: usize,
         ordered: &[DeviceTriangle],
@@ -62,12 +62,12 @@ impl Resident {
         let there = there.filter(|there| there.kind == kind);
         let ordered: &[u8] = bytemuck::cast_slice(ordered);
         for (name, bytes) in [(kind.name(), tree.node_bytes().len()), (TRIANGLES, ordered.len())] {
-            Readable::check(gpu, reads, name, bytes as u64, TURN_DOWN)?;
+            Readable::check(gpu, memory_access, name, bytes as u64, HINT)?;
         }
         let stacks = (depth > private_stack(kind)).then(|| stacks(gpu, kind, depth)).transpose()?;
         let array = |slot: ReadSlot, name, contents: &[u8]| {
             let there = there.map(|there| &there.arrays[slot as usize]);
-            Readable::written(gpu, reads, slot, contents, name, there, TURN_DOWN)
+            Readable::written(gpu, memory_access, slot, contents, name, there, HINT)
         };
         let nodes = array(NODES_SLOT, kind.name(), tree.node_bytes())?;
         let arrays = [nodes, array(TRIANGLES_SLOT, TRIANGLES, ordered)?];
@@ -83,8 +83,8 @@ impl Resident {
     }
 
     /// How a search reads it.
-    pub(crate) fn reads(&self) -> Reads {
-        self.arrays[0].reads()
+    pub(crate) fn memory_access(&self) -> MemoryAccess {
+        self.arrays[0].memory_access()
     }
 
     /// Nodes that there is room for.
@@ -151,9 +151,9 @@ impl Resident {
 /// Room for stacks of the hierarchy's depth, for a workgroup at least.
 fn stacks(gpu: &Gpu, kind: NodeKind, depth: usize) -> Result<(Buffer, u32), TracerError> {
     let stack_bytes = depth as u64 * stack_entry_bytes(kind);
-    let lanes = (STACK_BYTES / stack_bytes).clamp(1, MOST_DEEP_LANES).next_multiple_of(u64::from(LANES_OF_WORKGROUP));
+    let lanes = (STACK_BYTES / stack_bytes).clamp(1, MAX_DEEP_LANES).next_multiple_of(u64::from(LANES_OF_WORKGROUP));
     let bytes = lanes * stack_bytes;
-    let turn_down = "the number of triangles that coincide, of which such deep hierarchies come";
-    gpu.check_storage_binding(STACKS, bytes, turn_down)?;
-    Ok((gpu.buffer(STACKS, bytes, BufferUsages::STORAGE, turn_down)?, lanes as u32))
+    let hint = "the number of triangles that coincide, of which such deep hierarchies come";
+    gpu.check_storage_binding(STACKS, bytes, hint)?;
+    Ok((gpu.buffer(STACKS, bytes, BufferUsages::STORAGE, hint)?, lanes as u32))
 }

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use tracebench_api::wgpu::Buffer;
-use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::{Counter, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    Gather, PipelinesOnDemand, RayCounts, Reads, SurfaceGeometry, TouchedBits, bind_arrays, bind_group, dispatch_rays,
-    uniform_buffer, untimed,
+    DevicePipelines, Gather, MemoryAccess, PipelinesOnDemand, RayCounts, SurfaceGeometry, TouchedBits, bind_arrays,
+    bind_group, dispatch_rays, uniform_buffer, untimed,
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
@@ -51,7 +51,7 @@ fn settings_of_dispatches(job: &TraceJob<'_>, searched: Searched<'_>) -> Vec<Sea
         stack_entries: 0,
         scale,
         unscale: 1.0 / scale,
-        greatest_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
+        max_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
     };
     let Some((_, lanes)) = resident.stacks() else { return vec![all] };
     let of = |first_ray| SearchSettings {
@@ -68,7 +68,7 @@ fn settings_of_dispatches(job: &TraceJob<'_>, searched: Searched<'_>) -> Vec<Sea
 pub(crate) fn trace_memory(resident: &Resident, job: &TraceJob<'_>) -> Vec<MemoryEntry> {
     let dispatches = resident.stacks().map_or(1, |(_, lanes)| job.rays.host.len().div_ceil(lanes as usize));
     let mut parts = vec![MemoryEntry::whole(SETTINGS, size_of::<SearchSettings>() as u64); dispatches];
-    parts.extend((job.end == EndPoint::Surface).then(Gather::memory));
+    parts.extend((job.trace_to == TraceTo::Surface).then(Gather::memory));
     parts
 }
 
@@ -116,13 +116,13 @@ pub(crate) struct Searched<'a> {
 pub struct Searches {
     pub(crate) gpu: Arc<Gpu>,
     gather: Gather,
-    wide: PipelinesOnDemand<Cwbvh>,
-    binary: PipelinesOnDemand<Binary>,
+    wide: PipelinesOnDemand,
+    binary: PipelinesOnDemand,
 }
 
-impl Searches {
-    /// None yet.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Searches {
+    // None yet.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self {
             gather: Gather::new(&gpu)?,
             wide: PipelinesOnDemand::new("trace"),
@@ -130,7 +130,9 @@ impl Searches {
             gpu,
         })
     }
+}
 
+impl Searches {
     /// Records a trace; with something to count into by a counting variant. Surfaces are gathered after it.
     pub(crate) fn record(
         &self,
@@ -143,7 +145,7 @@ impl Searches {
         let Searched { resident, geometry, .. } = searched;
         let gpu = &*self.gpu;
         let (deep, counters) = (resident.stacks().is_some(), counting.is_some());
-        let textures = resident.reads() == Reads::Texture;
+        let textures = resident.memory_access() == MemoryAccess::Texture;
         let pipeline = match resident.kind {
             NodeKind::Wide => self.wide.of(gpu, Cwbvh { textures, deep, counters })?,
             NodeKind::Binary => self.binary.of(gpu, Binary { textures, deep, counters })?,
@@ -169,9 +171,9 @@ impl Searches {
                 dispatch_rays(encoder, &pipeline, &[bindings, &arrays], ray_count, rays_per_lane);
             }
         })?;
-        match job.end {
-            EndPoint::Hit => Ok(()),
-            EndPoint::Surface => self.gather.record(gpu, geometry, job.rays, hits, None, clock),
+        match job.trace_to {
+            TraceTo::Hit => Ok(()),
+            TraceTo::Surface => self.gather.record(gpu, geometry, job.rays, hits, None, clock),
         }
     }
 

@@ -1,34 +1,34 @@
 //! The parameters of `lbvh-gpu`.
 
 use tracebench_api::ParameterScope::Build;
-use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, parameters};
-use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, parameters};
+use tracebench_kit::{MemoryAccess, memory_access_parameter, rays_per_lane_parameter};
 
 use crate::gpu::description::{NodeKind, node_parameter};
 /// Most neighbours on each side. One workgroup merges the last clusters, 8 a lane, and Mesa's software driver ends a lane's
 /// loops after 65,535 rounds in all: with these it gets through 256 iterations, twice as many as the deepest scene takes.
-const MOST_NEIGHBOURS: u32 = 16;
+const MAX_NEIGHBOURS: u32 = 16;
 
 parameters! {
     /// What `lbvh-gpu` is told.
     pub(crate) struct LbvhParameters {
         node: NodeKind = node_parameter(),
         /// neighbours along the Morton curve on each side among which a cluster seeks its nearest: more build slower and trace faster
-        search_radius: u32 = Parameter::integer(Build, 1..=MOST_NEIGHBOURS, 8).unit("clusters").sweep([1, 2, 4, 8, 16]),
+        search_radius: u32 = Parameter::integer(Build, 1..=MAX_NEIGHBOURS, 8).unit("clusters").sweep([1, 2, 4, 8, 16]),
         /// the same in the first two iterations, which have the most clusters, of scenes of more than 2,048 triangles: few build faster,
         /// and often trace faster, too
-        early_search_radius: u32 = Parameter::integer(Build, 1..=MOST_NEIGHBOURS, 8)
+        early_search_radius: u32 = Parameter::integer(Build, 1..=MAX_NEIGHBOURS, 8)
             .unit("clusters")
             .improved(2)
             .sweep([1, 2, 4, 8]),
-        reads: Reads = reads_parameter(),
+        memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
 
 /// What `lbvh-gpu` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "lbvh-gpu",
         citation: "Benthin, Drabinski, Tessari, Dittebrandt: PLOC++: Parallel Locally-Ordered Clustering for Bounding \
                    Volume Hierarchy Construction Revisited, HPG 2022",
@@ -36,7 +36,7 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: None,
         parameters: LbvhParameters::describe(),

@@ -1,7 +1,7 @@
 //! How many iterations clustering takes at most.
 
 /// Iterations that the device has words for: `FINISHED` of shaders/bvh/build.wgsl, less the count that the last one leaves.
-const MOST_ITERATIONS: usize = 127;
+const MAX_ITERATIONS: usize = 127;
 
 /// `LAST_CLUSTERS` of shaders/bvh/cluster.wgsl: so many are left to one workgroup.
 pub(super) const LAST_CLUSTERS: u32 = 2048;
@@ -24,7 +24,7 @@ pub(super) struct Bound {
 pub(super) fn bounds(triangle_count: u32) -> Vec<Bound> {
     let mut bounds = Vec::new();
     let mut most = triangle_count;
-    while most > LAST_CLUSTERS && bounds.len() < MOST_ITERATIONS {
+    while most > LAST_CLUSTERS && bounds.len() < MAX_ITERATIONS {
         let allowed = (f64::from(triangle_count) * FACTOR.powi(bounds.len() as i32)) as u32;
         bounds.push(Bound { most, allowed });
         let paired = if most > allowed { most.div_ceil(2) } else { 0 };

@@ -22,13 +22,13 @@
 //!
 //! Phases: build, refit and trace by the device's clock, every kernel within one. Bindings and uniforms are made before.
 
+mod buffers;
 mod description;
 mod iterations;
 mod kernels;
 mod plan;
 #[cfg(test)]
 mod reference;
-mod rooms;
 #[cfg(test)]
 mod tests;
 
@@ -39,7 +39,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Search, SurfaceGeometry};
+use tracebench_kit::{BuildJob, DevicePipelines, DeviceStructure, DeviceTracer, Search, SearchJob, SurfaceGeometry};
 
 use description::LbvhParameters;
 pub use description::description;
@@ -49,9 +49,9 @@ use crate::gpu::layout::{DeviceTriangle, Tree};
 use crate::gpu::resident::Resident;
 use crate::gpu::search::{Counting, Searched, Searches, private_stack, trace_memory};
 use crate::input::{check_fits, scale_for};
+use buffers::WIDE_NODE_BYTES;
 use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
-use rooms::WIDE_NODE_BYTES;
 
 /// The tracer.
 pub type LbvhGpu = DeviceTracer<LbvhStructure>;
@@ -83,7 +83,7 @@ impl LbvhStructure {
 
     /// How far the last build came, word by word; known once its clock has been finished.
     fn progress(&self) -> Result<Vec<u32>, TracerError> {
-        let room = &self.plan.rooms.progress;
+        let room = &self.plan.buffers.progress;
         Ok(bytemuck::pod_collect_to_vec(&self.pipelines.kernels.gpu.read(&room.buffer, room.used_bytes)?))
     }
 
@@ -114,16 +114,17 @@ impl LbvhStructure {
     }
 }
 
+impl DevicePipelines for Pipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { kernels: Kernels::new(Arc::clone(&gpu))?, searches: Searches::new(gpu)? })
+    }
+}
+
 impl Search for LbvhStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         self.pipelines.searches.record(self.searched(job)?, job, hits, counting, clock)
     }
 
@@ -135,22 +136,20 @@ impl Search for LbvhStructure {
 impl DeviceStructure for LbvhStructure {
     type Pipelines = Pipelines;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Ok(Pipelines { kernels: Kernels::new(Arc::clone(&gpu))?, searches: Searches::new(gpu)? })
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, parameters, .. }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, parameters, before, clock, .. } = job;
         let kernels = &pipelines.kernels;
-        let LbvhParameters { node: kind, reads, search_radius, early_search_radius, .. } =
+        let LbvhParameters { node: kind, memory_access, search_radius, early_search_radius, .. } =
             LbvhParameters::try_from(parameters)?;
         let radii = [search_radius, early_search_radius];
-        let plan =
-            Plan::new(kernels, kind, reads, geometry.triangles.len() as u32, radii, before.map(|before| &before.plan))?;
+        let plan = Plan::new(
+            kernels,
+            kind,
+            memory_access,
+            geometry.triangles.len() as u32,
+            radii,
+            before.map(|before| &before.plan),
+        )?;
         let scale = scale_for(geometry.diagonal());
         plan.build(kernels, geometry, scale, clock)?;
         // Neither kind of node has more levels than a private stack serves.
@@ -176,9 +175,9 @@ impl DeviceStructure for LbvhStructure {
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         // A device that fails says so at the next trace; until then all of the nodes' room counts as used.
-        let room = self.plan.rooms.wide.as_ref().map_or(0, |wide| wide.used_bytes / WIDE_NODE_BYTES);
+        let room = self.plan.buffers.wide.as_ref().map_or(0, |wide| wide.used_bytes / WIDE_NODE_BYTES);
         self.resident.enter(&mut ledger);
-        self.plan.rooms.enter(self.wide_nodes().unwrap_or(room).min(room), &self.plan.sort, &mut ledger);
+        self.plan.buffers.enter(self.wide_nodes().unwrap_or(room).min(room), &self.plan.sort, &mut ledger);
         ledger.borrow_transient(self.plan.uniform_bytes());
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }

@@ -2,20 +2,22 @@
 
 use tracebench_api::wgpu::{self, BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{RadixSortPlan, ReadSlot, Readable, Reads, Room, bind_group_at, dispatch_linear, record_copies};
+use tracebench_kit::{
+    GrowableBuffer, MemoryAccess, RadixSortPlan, ReadSlot, Readable, bind_group_at, dispatch_linear, record_copies,
+};
 
+use super::buffers::{BuildBuffers, HINT};
 use super::iterations::{Bound, bounds};
 use super::kernels::{
     BuildSettings, CODE_BITS, ClusterIteration, ConversionLevel, Kernels, RUN, RefitStage, SEARCHED, WORKGROUP_SIZE,
     build_settings,
 };
-use super::rooms::{Rooms, TURN_DOWN};
 use crate::gpu::WIDE_STACK;
 use crate::gpu::description::NodeKind;
 use crate::gpu::resident::{NODES_SLOT, TRIANGLES, TRIANGLES_SLOT};
 
 /// Most lanes of a level's dispatch: each takes several nodes where there are more.
-const MOST_LEVEL_LANES: u64 = 1 << 13;
+const MAX_LEVEL_LANES: u64 = 1 << 13;
 
 /// Iterations, those over the most clusters, that have a search radius of their own.
 pub(super) const EARLY_ITERATIONS: usize = 2;
@@ -31,7 +33,7 @@ const DEEP_LEVEL_LANES: u64 = 256;
 pub(super) struct Plan {
     pub(super) kind: NodeKind,
     pub(super) triangle_count: u32,
-    pub(super) rooms: Rooms,
+    pub(super) buffers: BuildBuffers,
     pub(super) sort: RadixSortPlan,
     /// What is searched: nodes of the kind, triangles in the order of the leaves.
     pub(super) arrays: [Readable; 2],
@@ -80,23 +82,23 @@ impl Plan {
     pub(super) fn new(
         kernels: &Kernels,
         kind: NodeKind,
-        reads: Reads,
+        memory_access: MemoryAccess,
         triangle_count: u32,
         [search_radius, early_radius]: [u32; 2],
         there: Option<&Plan>,
     ) -> Result<Self, TracerError> {
         let gpu = &*kernels.gpu;
-        let rooms = Rooms::new(gpu, kind, reads, triangle_count, there.map(|there| &there.rooms))?;
-        let (codes, order) = (&rooms.codes.buffer, &rooms.order.buffer);
+        let buffers = BuildBuffers::new(gpu, kind, memory_access, triangle_count, there.map(|there| &there.buffers))?;
+        let (codes, order) = (&buffers.codes.buffer, &buffers.order.buffer);
         let sort = kernels.sort.plan(gpu, codes, order, triangle_count, CODE_BITS, there.map(|there| &there.sort))?;
-        let array = |slot: ReadSlot, room: &Room, name| {
+        let array = |slot: ReadSlot, room: &GrowableBuffer, name| {
             let there = there.map(|there| &there.arrays[slot as usize]);
-            Readable::built(gpu, reads, slot, &room.buffer, room.used_bytes, name, there, TURN_DOWN)
+            Readable::built(gpu, memory_access, slot, &room.buffer, room.used_bytes, name, there, HINT)
         };
-        let nodes = array(NODES_SLOT, rooms.wide.as_ref().unwrap_or(&rooms.binary), kind.name())?;
-        let arrays = [nodes, array(TRIANGLES_SLOT, &rooms.triangles, TRIANGLES)?];
+        let nodes = array(NODES_SLOT, buffers.wide.as_ref().unwrap_or(&buffers.binary), kind.name())?;
+        let arrays = [nodes, array(TRIANGLES_SLOT, &buffers.triangles, TRIANGLES)?];
         let bounds = bounds(triangle_count);
-        Ok(Self { kind, triangle_count, rooms, sort, arrays, bounds, search_radius, early_radius })
+        Ok(Self { kind, triangle_count, buffers, sort, arrays, bounds, search_radius, early_radius })
     }
 
     /// Bytes of the uniforms of a build, which are kept until it is done.
@@ -117,7 +119,7 @@ impl Plan {
         let gpu = &*kernels.gpu;
         let scene = scene(gpu, geometry)?;
         let settings = uniform(gpu, "build settings", &build_settings(geometry, scale))?;
-        let Rooms { triangles, binary, progress, codes, order, clusters, .. } = &self.rooms;
+        let BuildBuffers { triangles, binary, progress, codes, order, clusters, .. } = &self.buffers;
         let count = self.triangle_count;
         let (positions, indices) = (&scene.positions, &scene.indices);
         let encode = [(0, &settings), (1, positions), (2, indices), (3, &codes.buffer), (4, &order.buffer)];
@@ -157,7 +159,7 @@ impl Plan {
     /// once.
     fn iterations<'a>(&self, kernels: &'a Kernels) -> Result<Vec<Step<'a>>, TracerError> {
         let gpu = &*kernels.gpu;
-        let Rooms { binary, progress, codes: nearest, clusters, tallies, .. } = &self.rooms;
+        let BuildBuffers { binary, progress, codes: nearest, clusters, tallies, .. } = &self.buffers;
         let cluster = match self.kind {
             NodeKind::Wide => &kernels.cluster_wide,
             NodeKind::Binary => &kernels.cluster_binary,
@@ -195,14 +197,14 @@ impl Plan {
     /// Most lanes for one level of compressed nodes.
     fn level_lanes(&self, level: usize) -> u32 {
         let nodes = (u64::from(self.triangle_count) / 4).max(1);
-        let most = if level < LARGE_LEVELS { MOST_LEVEL_LANES } else { DEEP_LEVEL_LANES };
+        let most = if level < LARGE_LEVELS { MAX_LEVEL_LANES } else { DEEP_LEVEL_LANES };
         nodes.min(1 << (3 * level).min(62)).min(most) as u32
     }
 
     /// The conversion, level by level from the root.
     fn conversion<'a>(&self, kernels: &'a Kernels) -> Result<Vec<Step<'a>>, TracerError> {
         let gpu = &*kernels.gpu;
-        let Rooms { triangles, binary, progress, order, wide, .. } = &self.rooms;
+        let BuildBuffers { triangles, binary, progress, order, wide, .. } = &self.buffers;
         let Some(wide) = wide else { return Ok(Vec::new()) };
         let level = |index: usize| {
             let left = WIDE_STACK - 1 - index;
@@ -232,7 +234,7 @@ impl Plan {
         let gpu = &*kernels.gpu;
         let scene = scene(gpu, geometry)?;
         let settings = uniform(gpu, "build settings", &build_settings(geometry, scale))?;
-        let Rooms { triangles, binary, progress, clusters, wide, .. } = &self.rooms;
+        let BuildBuffers { triangles, binary, progress, clusters, wide, .. } = &self.buffers;
         let triangle_count = self.triangle_count;
         let fill = [(0, &settings), (1, &scene.positions), (2, &scene.indices), (7, &triangles.buffer)];
         let fill = step(gpu, &kernels.fill, &fill, triangle_count);

@@ -45,12 +45,12 @@ fn constants_are_those_of_the_shaders() {
         (cluster, "RUN", RUN as usize),
         (cluster, "SEARCHED", SEARCHED as usize),
         (cluster, "LAST_CLUSTERS", LAST_CLUSTERS as usize),
-        (cluster, "MOST_LEVELS", BINARY_STACK),
+        (cluster, "MAX_LEVELS", BINARY_STACK),
     ] {
         assert_eq!(shader.constant(name), Some(expected as u32), "{name}");
     }
     // The words of all iterations end before those that follow: searches, then pairings of what they may leave.
-    let searches = cluster.constant("MOST_SEARCHES").unwrap() as usize;
+    let searches = cluster.constant("MAX_SEARCHES").unwrap() as usize;
     assert!(FINISHED + searches + (LAST_CLUSTERS.ilog2() as usize) < TAKEN_SLOTS);
     // Negative control: a name that is only the beginning of one is not found.
     assert_eq!(cluster.constant("FINISH"), None);

@@ -1,5 +1,7 @@
 //! Acceleration structures in the device's memory: one bottom level over all triangles, and a top level of one instance.
 
+use std::cell::Cell;
+
 use tracebench_api::wgpu::{
     AccelerationStructureFlags, AccelerationStructureGeometryFlags, AccelerationStructureUpdateMode, Blas,
     BlasBuildEntry, BlasGeometries, BlasGeometrySizeDescriptors, BlasTriangleGeometry,
@@ -29,8 +31,8 @@ fn scaling(factor: f32) -> Transform {
 
 /// Both levels over the triangles of one scene.
 pub(super) struct Acceleration {
-    /// From scene units to those of the structure, a power of two; set when the build is recorded.
-    pub(super) scale: f32,
+    /// From scene units to those of the structure, a power of two; set when a build is recorded.
+    pub(super) scale: Cell<f32>,
     pub(super) top: Tlas,
     bottom: Blas,
     size: BlasTriangleGeometrySizeDescriptor,
@@ -105,7 +107,7 @@ impl Acceleration {
             }
         }
         ledger.keep(TRANSFORM, transform.size(), bytes);
-        Ok(Self { scale: 1.0, top, bottom, size, flags, transform, memory: ledger.report(0) })
+        Ok(Self { scale: Cell::new(1.0), top, bottom, size, flags, transform, memory: ledger.report(0) })
     }
 
     /// Whether a build over a scene fits into what is there.
@@ -118,7 +120,7 @@ impl Acceleration {
     /// # Errors
     /// [`TracerError::Unavailable`] if the scene is not on the device.
     pub(super) fn record_build(
-        &mut self,
+        &self,
         gpu: &Gpu,
         geometry: &Geometry,
         clock: &mut PhaseClock<'_>,
@@ -140,8 +142,8 @@ impl Acceleration {
         clock.device_phase("build acceleration structures", |encoder| {
             encoder.build_acceleration_structures([&entry], [top]);
         })?;
-        self.scale = scale_for(geometry.diagonal());
-        gpu.queue.write_buffer(&self.transform, 0, bytemuck::cast_slice(&scaling(self.scale)));
+        self.scale.set(scale_for(geometry.diagonal()));
+        gpu.queue.write_buffer(&self.transform, 0, bytemuck::cast_slice(&scaling(self.scale.get())));
         gpu.check()
     }
 

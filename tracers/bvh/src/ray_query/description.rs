@@ -1,7 +1,7 @@
 //! The parameters of `ray-query`.
 
 use tracebench_api::{
-    Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
+    Invalidation, Parameter, ParameterScope, Query, Residency, TraceTo, TracerDescription, choice, parameters,
 };
 
 choice! {
@@ -30,15 +30,15 @@ pub(crate) const NO_REFIT: &str = "wgpu 30 builds an acceleration structure anew
      (AccelerationStructureUpdateMode::PreferUpdate): rebuild it";
 
 /// What `ray-query` is and takes.
-pub fn description() -> Description {
-    Description {
+pub fn description() -> TracerDescription {
+    TracerDescription {
         name: "ray-query",
         citation: "Khronos Group: VK_KHR_acceleration_structure and VK_KHR_ray_query, 2020; through wgpu",
         summary: "the device's own acceleration structure, built by its driver and searched by ray queries in compute",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        ends: &EndPoint::ALL,
+        ends: &TraceTo::ALL,
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: QueryParameters::describe(),

@@ -18,14 +18,18 @@ mod description;
 mod probes;
 mod search;
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Query, Ray,
-    RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, Geometry, Hit, HitBuffer, MemoryEntry, MemoryReport, PhaseClock, Query, Ray, RayBuffer, Residency,
+    TraceJob, TraceTo, TracerError,
 };
 
-use tracebench_kit::{Gather, RayCounts, SurfaceGeometry, TouchedBits, untimed};
+use tracebench_kit::{
+    BuildJob, DeviceStructure, DeviceTracer, Gather, RayCounts, Search, SearchJob, SurfaceGeometry, TouchedBits,
+    untimed,
+};
 
 use acceleration::Acceleration;
 pub use description::description;
@@ -33,84 +37,22 @@ use description::{EqualT, NO_REFIT, QueryParameters};
 use search::{Queries, QuerySettings, Question};
 
 /// The tracer.
-pub struct RayQuery {
-    queries: Arc<Queries>,
-}
-
-impl RayQuery {
-    /// Creates the pipelines.
-    ///
-    /// # Errors
-    /// [`TracerError::Unavailable`] where the adapter has no ray queries, [`TracerError::Failed`] if the device refuses a
-    /// pipeline.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        if !gpu.has_ray_queries() {
-            let listing = &gpu.listing;
-            return Err(TracerError::Unavailable(format!(
-                "{}, driver {}, has no ray queries (wgpu feature EXPERIMENTAL_RAY_QUERY)",
-                listing.name, listing.driver_version
-            )));
-        }
-        Ok(Self { queries: Arc::new(Queries::new(gpu)?) })
-    }
-}
-
-impl Tracer for RayQuery {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        _viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        let gpu = &self.queries.gpu;
-        let mut acceleration = Acceleration::new(gpu, geometry, QueryParameters::try_from(parameters)?.prefer)?;
-        acceleration.record_build(gpu, geometry, clock)?;
-        let queries = Arc::clone(&self.queries);
-        let surfaces = SurfaceGeometry::of(geometry)?;
-        Ok(Box::new(RayQueryStructure {
-            queries,
-            acceleration,
-            triangle_count: geometry.triangles.len(),
-            geometry: surfaces,
-        }))
-    }
-}
+pub type RayQuery = DeviceTracer<RayQueryStructure>;
 
 /// Acceleration structures over one scene.
-struct RayQueryStructure {
+pub struct RayQueryStructure {
     queries: Arc<Queries>,
-    acceleration: Acceleration,
+    acceleration: Rc<Acceleration>,
     triangle_count: usize,
     geometry: SurfaceGeometry,
 }
 
 impl RayQueryStructure {
-    fn rebuild(
-        &mut self,
-        geometry: &Geometry,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let gpu = &self.queries.gpu;
-        let surfaces = SurfaceGeometry::of(geometry)?;
-        let QueryParameters { prefer, .. } = QueryParameters::try_from(parameters)?;
-        if self.acceleration.fits(gpu, geometry, prefer)? {
-            self.acceleration.record_build(gpu, geometry, clock)?;
-        } else {
-            let mut acceleration = Acceleration::new(gpu, geometry, prefer)?;
-            acceleration.record_build(gpu, geometry, clock)?;
-            self.acceleration = acceleration;
-        }
-        (self.triangle_count, self.geometry) = (geometry.triangles.len(), surfaces);
-        Ok(())
-    }
-
     /// Surfaces, if the job goes that far.
     fn gather(&self, job: &TraceJob<'_>, hits: &HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        match job.end {
-            EndPoint::Hit => Ok(()),
-            EndPoint::Surface => {
+        match job.trace_to {
+            TraceTo::Hit => Ok(()),
+            TraceTo::Surface => {
                 self.queries.gather.record(&self.queries.gpu, &self.geometry, job.rays, hits, None, clock)
             }
         }
@@ -121,7 +63,7 @@ impl RayQueryStructure {
     fn find_all(&self, scene: &Geometry) -> Result<usize, TracerError> {
         let gpu = &self.queries.gpu;
         let (rays, fat): (Vec<Ray>, Vec<bool>) =
-            probes::probes(&scene.positions, &scene.triangles, MOST_PROBES).into_iter().unzip();
+            probes::probes(&scene.positions, &scene.triangles, MAX_PROBES).into_iter().unzip();
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(gpu));
         let mut hits = HitBuffer::new(fat.len(), Residency::Device, Some(gpu))?;
         hits.poison(Some(gpu))?;
@@ -138,59 +80,69 @@ impl RayQueryStructure {
 }
 
 /// Triangles of a structure that are looked for, about.
-const MOST_PROBES: usize = 4096;
+const MAX_PROBES: usize = 4096;
 
 /// Whether a job wants the lower primitive of equal hits.
 fn wants_lowest(job: &TraceJob<'_>) -> Result<bool, TracerError> {
     Ok(QueryParameters::try_from(job.parameters)?.equal_t == EqualT::Lowest)
 }
 
-impl Structure for RayQueryStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        _viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => self.rebuild(geometry, parameters, clock),
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            Update::Reuse => Ok(()),
-        }
+impl Search for RayQueryStructure {
+    type Counting = (RayCounts, TouchedBits);
+
+    fn record(&self, search: SearchJob<'_, '_, Self::Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
+        let lowest_of_equal = wants_lowest(job)?;
+        let question = match counting {
+            None => Question::Trace { lowest_of_equal },
+            Some((counts, offered)) => {
+                Question::TraceCounted { lowest_of_equal, counts: counts.buffer(), offered: offered.buffer() }
+            }
+        };
+        self.queries.record(question, &self.acceleration, job.rays, hits, clock)?;
+        self.gather(job, hits, clock)
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let lowest_of_equal = wants_lowest(&job)?;
-        self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)?;
-        self.gather(&job, hits, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let lowest_of_equal = wants_lowest(&job)?;
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.queries.gpu;
         let counts = RayCounts::new(gpu, &["proceed_calls"], job.rays.host.len())?;
         let triangles = self.triangle_count as u64;
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
-        let question = Question::TraceCounted { lowest_of_equal, counts: counts.buffer(), offered: offered.buffer() };
-        untimed(gpu, |clock| {
-            self.queries.record(question, &self.acceleration, job.rays, hits, clock)?;
-            self.gather(&job, hits, clock)
-        })?;
-        let mut counters = counts.counters(gpu)?;
+        let counting = (counts, offered);
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
+        let mut counters = counting.0.counters(gpu)?;
         // Of the nodes and triangles that it touches the driver tells nothing.
-        counters.push(Counter::of_set("triangles_offered", offered.count(gpu)?));
+        counters.push(Counter::of_set("triangles_offered", counting.1.count(gpu)?));
         Ok(counters)
+    }
+}
+
+impl DeviceStructure for RayQueryStructure {
+    type Pipelines = Queries;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn build(queries: &Arc<Queries>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, parameters, before, clock, .. } = job;
+        let gpu = &queries.gpu;
+        let surfaces = SurfaceGeometry::of(geometry)?;
+        let QueryParameters { prefer, .. } = QueryParameters::try_from(parameters)?;
+        let acceleration = match before {
+            Some(before) if before.acceleration.fits(gpu, geometry, prefer)? => Rc::clone(&before.acceleration),
+            _ => Rc::new(Acceleration::new(gpu, geometry, prefer)?),
+        };
+        acceleration.record_build(gpu, geometry, clock)?;
+        let triangle_count = geometry.triangles.len();
+        Ok(Self { queries: Arc::clone(queries), acceleration, triangle_count, geometry: surfaces })
     }
 
     fn memory(&self) -> MemoryReport {
         self.acceleration.memory().with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let settings = MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64);
-        let gather = (job.end == EndPoint::Surface).then(Gather::memory);
+        let gather = (job.trace_to == TraceTo::Surface).then(Gather::memory);
         Ok([settings].into_iter().chain(gather).collect())
     }
 

@@ -5,7 +5,7 @@ use tracebench_api::Ray;
 
 /// A triangle is fat enough to be found for certain if the largest circle in it has this radius, in units of its farthest
 /// coordinate: rounding in f32 moves a ray by a hundredth of that.
-const LEAST_INRADIUS: f64 = 1e-5;
+const MIN_INRADIUS: f64 = 1e-5;
 
 /// Distance at which a probe begins and ends off its triangle, in radii of the largest circle in it.
 const REACH: f64 = 8.0;
@@ -33,7 +33,7 @@ fn probe([a, b, c]: [DVec3; 3]) -> (Ray, bool) {
     let area_twice = normal.length();
     let radius = if around > 0.0 { area_twice / around } else { 0.0 };
     let farthest = [a, b, c].into_iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
-    let fat = radius > LEAST_INRADIUS * farthest;
+    let fat = radius > MIN_INRADIUS * farthest;
     let (centre, normal) =
         if fat { ((a * to_a + b * to_b + c * to_c) / around, normal / area_twice) } else { (a, DVec3::Z) };
     let reach = radius * REACH;

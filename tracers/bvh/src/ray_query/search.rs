@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::{Buffer, ComputePipeline};
 use tracebench_api::{Gpu, HitBuffer, PhaseClock, Query, RayBuffer, TracerError};
-use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
+use tracebench_kit::{DevicePipelines, Gather, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
 use tracebench_shaders::bvh::RAY_QUERY;
 
 use super::acceleration::Acceleration;
@@ -35,7 +35,7 @@ pub(super) enum Question<'a> {
 }
 
 /// The device with every pipeline.
-pub(super) struct Queries {
+pub struct Queries {
     pub(super) gpu: Arc<Gpu>,
     trace: ComputePipeline,
     trace_counted: ComputePipeline,
@@ -43,12 +43,15 @@ pub(super) struct Queries {
     pub(super) gather: Gather,
 }
 
-impl Queries {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
-    pub(super) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Queries {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        if !gpu.has_ray_queries() {
+            let listing = &gpu.listing;
+            return Err(TracerError::Unavailable(format!(
+                "{}, driver {}, has no ray queries (wgpu feature EXPERIMENTAL_RAY_QUERY)",
+                listing.name, listing.driver_version
+            )));
+        }
         let pipeline = |entry_point| compute_pipeline(&gpu, RAY_QUERY, entry_point);
         Ok(Self {
             trace: pipeline("trace")?,
@@ -58,7 +61,9 @@ impl Queries {
             gpu,
         })
     }
+}
 
+impl Queries {
     /// Records one question about every ray.
     ///
     /// # Errors
@@ -78,14 +83,14 @@ impl Queries {
             }
             Question::FindOwnTriangle => (&self.find_own_triangle, [None; 2], false),
         };
-        let scale = acceleration.scale;
+        let scale = acceleration.scale.get();
         let settings = QuerySettings {
             ray_count: rays.host.len() as u32,
             any_hit: u32::from(rays.query == Query::Any),
             lowest_of_equal: u32::from(lowest_of_equal),
             scale,
             unscale: 1.0 / scale,
-            greatest_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
+            max_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
         };
         let gpu = &*self.gpu;
         let uniform = uniform_buffer(gpu, "settings", &settings)?;

@@ -4,9 +4,9 @@ use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{bind_group_at, dispatch_linear, uniform_buffer};
 
+use super::buffers::BuildBuffers;
 use super::kernels::{BuildKernels, SortKernels};
 use super::layout::{FACES, FIRST_NEAR, MISPLACED, PackedGrid, PackedLayout};
-use super::rooms::Rooms;
 use crate::description::Lists;
 use crate::layout::MipmapLevel;
 
@@ -52,19 +52,19 @@ pub(super) fn uniform_bytes(layout: &PackedLayout) -> u64 {
 #[derive(Clone, Copy)]
 pub(super) struct Work<'a> {
     pub layout: &'a PackedLayout,
-    pub rooms: &'a Rooms,
+    pub buffers: &'a BuildBuffers,
     pub scene: &'a DeviceGeometry,
 }
 
 fn bind(gpu: &Gpu, work: Work<'_>, kernels: &BuildKernels) -> Result<Bound, TracerError> {
-    let Work { layout, rooms, scene } = work;
-    let grid = uniform_buffer(gpu, "packed grid", &rooms.grid(layout))?;
+    let Work { layout, buffers, scene } = work;
+    let grid = uniform_buffer(gpu, "packed grid", &buffers.grid(layout))?;
     let of = |pipeline: &ComputePipeline, bindings: &[(u32, &Buffer)]| {
         let resources: Vec<_> =
             bindings.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())).collect();
         bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources)
     };
-    let Rooms { quads, masks, counts, plans, node_counts, words, keys, parts, places, nodes, .. } = rooms;
+    let BuildBuffers { quads, masks, counts, plans, node_counts, words, keys, parts, places, nodes, .. } = buffers;
     let [quads, masks, counts, plans] = [quads, masks, counts, plans].map(|room| &room.buffer);
     let [node_counts, words, keys, parts] = [node_counts, words, keys, parts].map(|room| &room.buffer);
     let [places, nodes] = [places, nodes].map(|room| &room.buffer);
@@ -113,57 +113,57 @@ pub(super) fn record(
     extent: Extent,
     clock: &mut PhaseClock<'_>,
 ) -> Result<(), TracerError> {
-    let Work { layout, rooms, scene } = work;
+    let Work { layout, buffers, scene } = work;
     for (name, buffer) in [("vertex positions", &scene.positions), ("vertex indices", &scene.indices)] {
         gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
     }
     let bound = bind(gpu, work, kernels)?;
     let sorting = sorts.sorting();
-    let triangles = rooms.triangle_count;
-    let (tiles, [parts, _]) = (layout.tile_count(), rooms.capacities);
+    let triangles = buffers.triangle_count;
+    let (tiles, [parts, _]) = (layout.tile_count(), buffers.capacities);
     let large = LARGE_WORKGROUPS * WORKGROUP_SIZE;
     clock.device_phase("triangle setup", |encoder| {
-        encoder.clear_buffer(&rooms.words.buffer, 0, Some(u64::from(FIRST_NEAR) * 4));
+        encoder.clear_buffer(&buffers.words.buffer, 0, Some(u64::from(FIRST_NEAR) * 4));
         dispatch_linear(encoder, &kernels.measure, &bound.measure, triangles, WORKGROUP_SIZE);
         dispatch_linear(encoder, &kernels.scale, &bound.scale, 1, 1);
     })?;
     clock.device_phase("count parts", |encoder| {
-        encoder.clear_buffer(&rooms.counts.buffer, 0, None);
-        encoder.clear_buffer(&rooms.plans.buffer, 0, Some(u64::from(triangles) * 8));
+        encoder.clear_buffer(&buffers.counts.buffer, 0, None);
+        encoder.clear_buffer(&buffers.plans.buffer, 0, Some(u64::from(triangles) * 8));
         dispatch_linear(encoder, &kernels.count, &bound.count, triangles, WORKGROUP_SIZE);
         dispatch_linear(encoder, &kernels.count_several, &bound.count_several, triangles, WORKGROUP_SIZE);
         dispatch_linear(encoder, &kernels.count_large, &bound.count_large, large, WORKGROUP_SIZE);
-        sorting.sums.record(encoder, &rooms.count_sums);
-        encoder.copy_buffer_to_buffer(&rooms.counts.buffer, u64::from(triangles) * 4, &rooms.totals.buffer, 0, 4);
+        sorting.sums.record(encoder, &buffers.count_sums);
+        encoder.copy_buffer_to_buffer(&buffers.counts.buffer, u64::from(triangles) * 4, &buffers.totals.buffer, 0, 4);
     })?;
     if extent == Extent::Counted {
         return Ok(());
     }
     clock.device_phase("store parts", |encoder| {
-        encoder.clear_buffer(&rooms.keys.buffer, 0, None);
-        encoder.clear_buffer(&rooms.masks.buffer, 0, None);
+        encoder.clear_buffer(&buffers.keys.buffer, 0, None);
+        encoder.clear_buffer(&buffers.masks.buffer, 0, None);
         dispatch_linear(encoder, &kernels.store, &bound.store, triangles, WORKGROUP_SIZE);
         dispatch_linear(encoder, &kernels.store_several, &bound.store_several, triangles, WORKGROUP_SIZE);
         dispatch_linear(encoder, &kernels.store_large, &bound.store_large, large, WORKGROUP_SIZE);
     })?;
-    clock.device_phase("sort parts", |encoder| sorting.sort.record(encoder, &rooms.sort))?;
+    clock.device_phase("sort parts", |encoder| sorting.sort.record(encoder, &buffers.sort))?;
     clock.device_phase("build tiles", |encoder| {
-        encoder.clear_buffer(&rooms.quads.buffer, 0, Some(u64::from(tiles) * 16));
-        encoder.clear_buffer(&rooms.node_counts.buffer, 0, None);
+        encoder.clear_buffer(&buffers.quads.buffer, 0, Some(u64::from(tiles) * 16));
+        encoder.clear_buffer(&buffers.node_counts.buffer, 0, None);
         dispatch_linear(encoder, &kernels.bound, &bound.bound, parts, WORKGROUP_SIZE);
         for (bindings, cells) in &bound.masks {
             dispatch_linear(encoder, &kernels.join_masks, bindings, *cells, WORKGROUP_SIZE);
         }
         dispatch_linear(encoder, &kernels.size, &bound.size, tiles, WORKGROUP_SIZE);
         if layout.lists != Lists::Packed {
-            sorting.sums.record(encoder, &rooms.node_sums);
+            sorting.sums.record(encoder, &buffers.node_sums);
             let end = u64::from(tiles) * 4;
-            encoder.copy_buffer_to_buffer(&rooms.node_counts.buffer, end, &rooms.totals.buffer, 4, 4);
+            encoder.copy_buffer_to_buffer(&buffers.node_counts.buffer, end, &buffers.totals.buffer, 4, 4);
             let leaves = if layout.lists == Lists::Slices { &kernels.list } else { &kernels.leaves };
             dispatch_linear(encoder, leaves, &bound.leaves, parts, WORKGROUP_SIZE);
             dispatch_linear(encoder, &kernels.join, &bound.join, tiles, WORKGROUP_SIZE);
         }
         let misplaced = u64::from(MISPLACED) * 4;
-        encoder.copy_buffer_to_buffer(&rooms.words.buffer, misplaced, &rooms.totals.buffer, 8, 4);
+        encoder.copy_buffer_to_buffer(&buffers.words.buffer, misplaced, &buffers.totals.buffer, 8, 4);
     })
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
 use tracebench_kit::{OnDemand, PrefixSum, RadixSort, SearchPipelines, compute_pipeline};
-use tracebench_shaders::dirt::{PackedTrace, PartLists, PartTrees};
+use tracebench_shaders::dirt::{PartLists, PartTrees};
 
-use super::rooms::Sorting;
+use super::buffers::Sorting;
 use crate::description::Lists;
 
 /// Those of a build.
@@ -47,7 +47,7 @@ impl SortKernels {
 pub(crate) struct PackedKernels {
     build: OnDemand<bool, BuildKernels>,
     sort: OnDemand<(), Arc<SortKernels>>,
-    pub(super) trace: SearchPipelines<PackedTrace>,
+    pub(super) trace: SearchPipelines,
 }
 
 impl PackedKernels {

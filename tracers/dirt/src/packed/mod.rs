@@ -10,11 +10,11 @@
 //! - Parts stand in a row: a tile's (`packed`), those of every slice (`slices`, the paper's buckets without empty ones), or as the leaves
 //!   of a tree of eight children a node in every tile (`trees`).
 
+mod buffers;
 mod build;
 pub(crate) mod kernels;
 pub(crate) mod layout;
 mod parts;
-mod rooms;
 mod trace;
 mod validate;
 
@@ -26,14 +26,14 @@ mod trace_tests;
 use std::sync::Arc;
 
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling,
-    TraceJob, TracerError, View,
+    Geometry, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, SampledImage, TraceJob,
+    TraceTo, TracerError, View,
 };
-use tracebench_kit::{BuildJob, DeviceStructure, Gather, Readable, Reads, record_copies, untimed};
+use tracebench_kit::{BuildJob, DeviceStructure, Gather, MemoryAccess, Readable, record_copies, untimed};
 
+use self::buffers::BuildBuffers;
 use self::build::{Extent, Work};
 use self::layout::PackedLayout;
-use self::rooms::Rooms;
 use crate::description::{DirtParameters, NO_REFIT};
 use crate::layout::NO_NEAR;
 use crate::pipelines::Pipelines;
@@ -46,7 +46,7 @@ pub(crate) struct PackedStructure {
     pub(crate) pipelines: Arc<Pipelines>,
     pub(crate) layout: PackedLayout,
     pub(crate) geometry: Resident,
-    rooms: Rooms,
+    buffers: BuildBuffers,
     /// What searches read, in buffers or textures.
     arrays: Vec<Readable>,
     /// What the camera's frame shows, if that was asked for.
@@ -60,26 +60,26 @@ impl Pipelines {
     fn build_packed(
         &self,
         layout: &PackedLayout,
-        rooms: &Rooms,
+        buffers: &BuildBuffers,
         scene: &Resident,
         extent: Extent,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &*self.gpu;
         let (kernels, sorts) = (self.packed.build(gpu, layout.lists)?, self.packed.sort(gpu)?);
-        let work = Work { layout, rooms, scene: &scene.surfaces.device };
+        let work = Work { layout, buffers, scene: &scene.surfaces.device };
         build::record(gpu, work, &kernels, &sorts, extent, clock)
     }
 
     /// Rooms for a scene: counted by builds that are no phases of the first one, of parts alone, then of nodes.
-    fn packed_rooms(&self, layout: &PackedLayout, scene: &Resident) -> Result<Rooms, TracerError> {
+    fn packed_rooms(&self, layout: &PackedLayout, scene: &Resident) -> Result<BuildBuffers, TracerError> {
         let gpu = &*self.gpu;
         let sorts = self.packed.sort(gpu)?;
         let sorting = sorts.sorting();
-        let room = |capacities| Rooms::new(gpu, &sorting, layout, scene.triangle_count, capacities, None);
-        let built = |rooms: &Rooms, extent| {
-            untimed(gpu, |clock| self.build_packed(layout, rooms, scene, extent, clock))?;
-            rooms.needed(gpu)
+        let room = |capacities| BuildBuffers::new(gpu, &sorting, layout, scene.triangle_count, capacities, None);
+        let built = |buffers: &BuildBuffers, extent| {
+            untimed(gpu, |clock| self.build_packed(layout, buffers, scene, extent, clock))?;
+            buffers.needed(gpu)
         };
         let [parts, _] = built(&room([1, 1])?, Extent::Counted)?;
         let [_, nodes] = built(&room([parts, 1])?, Extent::Whole)?;
@@ -88,8 +88,8 @@ impl Pipelines {
 }
 
 impl PackedStructure {
-    fn reads(&self) -> Reads {
-        self.arrays[0].reads()
+    fn memory_access(&self) -> MemoryAccess {
+        self.arrays[0].memory_access()
     }
 }
 
@@ -98,20 +98,12 @@ impl DeviceStructure for PackedStructure {
 
     const NO_REFIT: &'static str = NO_REFIT;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, scene) = (PackedLayout::new(viewpoint, parameters), Resident::of(geometry)?);
         let gpu = &*pipelines.gpu;
-        let rooms = match before.map(|before| (&before.rooms, &before.layout)) {
+        let buffers = match before.map(|before| (&before.buffers, &before.layout)) {
             None => pipelines.packed_rooms(&layout, &scene)?,
             Some((there, of)) if layout.is_shaped_like(of) && scene.triangle_count == there.triangle_count => {
                 there.clone()
@@ -119,46 +111,46 @@ impl DeviceStructure for PackedStructure {
             Some((there, of)) => {
                 let (sorts, capacities) = (pipelines.packed.sort(gpu)?, there.capacities);
                 let there = (layout.lists == of.lists).then_some(there);
-                Rooms::new(gpu, &sorts.sorting(), &layout, scene.triangle_count, capacities, there)?
+                BuildBuffers::new(gpu, &sorts.sorting(), &layout, scene.triangle_count, capacities, there)?
             }
         };
         let there = before.map_or(&[][..], |before| &before.arrays);
-        let arrays = rooms.arrays(gpu, &layout, parameters.reads, there)?;
-        pipelines.build_packed(&layout, &rooms, &scene, Extent::Whole, clock)?;
+        let arrays = buffers.arrays(gpu, &layout, parameters.memory_access, there)?;
+        pipelines.build_packed(&layout, &buffers, &scene, Extent::Whole, clock)?;
         record_copies(&arrays, clock)?;
         let frame = before.and_then(|before| before.frame.as_ref());
         let frame = pipelines.show(viewpoint, parameters, &scene, frame, clock)?;
         let shadow_map = before.and_then(|before| before.shadow_map.as_ref());
         let shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, shadow_map, clock)?;
-        Ok(Self { pipelines: Arc::clone(pipelines), layout, geometry: scene, rooms, arrays, frame, shadow_map })
+        Ok(Self { pipelines: Arc::clone(pipelines), layout, geometry: scene, buffers, arrays, frame, shadow_map })
     }
 
-    fn make_room(&mut self) -> Result<bool, TracerError> {
+    fn grow_on_overflow(&mut self) -> Result<bool, TracerError> {
         let pipelines = Arc::clone(&self.pipelines);
         let gpu = &*pipelines.gpu;
-        let mut needed = self.rooms.needed(gpu)?;
-        if self.rooms.capacities.iter().zip(&needed).all(|(room, needed)| room >= needed) {
+        let mut needed = self.buffers.needed(gpu)?;
+        if self.buffers.capacities.iter().zip(&needed).all(|(room, needed)| room >= needed) {
             return Ok(false);
         }
         let sorts = pipelines.packed.sort(gpu)?;
-        if needed[0] > self.rooms.capacities[0] {
+        if needed[0] > self.buffers.capacities[0] {
             // Parts that were not stored have no nodes yet.
-            let capacities = [needed[0], self.rooms.capacities[1]];
-            let rooms = self.rooms.grown(gpu, &sorts.sorting(), &self.layout, capacities)?;
+            let capacities = [needed[0], self.buffers.capacities[1]];
+            let buffers = self.buffers.grown(gpu, &sorts.sorting(), &self.layout, capacities)?;
             let (layout, scene) = (&self.layout, &self.geometry);
-            untimed(gpu, |clock| pipelines.build_packed(layout, &rooms, scene, Extent::Whole, clock))?;
-            needed = rooms.needed(gpu)?;
-            self.rooms = rooms;
+            untimed(gpu, |clock| pipelines.build_packed(layout, &buffers, scene, Extent::Whole, clock))?;
+            needed = buffers.needed(gpu)?;
+            self.buffers = buffers;
         }
-        self.rooms = self.rooms.grown(gpu, &sorts.sorting(), &self.layout, needed)?;
-        self.arrays = self.rooms.arrays(gpu, &self.layout, self.reads(), &self.arrays)?;
+        self.buffers = self.buffers.grown(gpu, &sorts.sorting(), &self.layout, needed)?;
+        self.arrays = self.buffers.arrays(gpu, &self.layout, self.memory_access(), &self.arrays)?;
         Ok(true)
     }
 
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
-        let used = self.rooms.needed(&self.pipelines.gpu).unwrap_or(self.rooms.capacities);
-        self.rooms.enter(&self.layout, used, &mut ledger);
+        let used = self.buffers.needed(&self.pipelines.gpu).unwrap_or(self.buffers.capacities);
+        self.buffers.enter(&self.layout, used, &mut ledger);
         self.arrays.iter().for_each(|array| array.enter(&mut ledger));
         ledger.borrow_transient(build::uniform_bytes(&self.layout));
         if let Some(frame) = &self.frame {
@@ -176,18 +168,18 @@ impl DeviceStructure for PackedStructure {
             return Ok(lookup_memory());
         }
         let mut parts = trace::memory();
-        if job.end == EndPoint::Surface {
+        if job.trace_to == TraceTo::Surface {
             parts.push(Gather::memory());
         }
         Ok(parts)
     }
 
-    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
         let views = self.layout.viewpoint.face_views(0.0);
         let of = |view: View| {
             // All that is not in the eye is seen.
             let view = View { near: view.far * NO_NEAR, ..view };
-            Sampling::new(Projection::Perspective(view), Layers::All)
+            SampledImage::new(Projection::Perspective(view), Layers::All)
         };
         Ok(views.map(of).to_vec())
     }

@@ -2,8 +2,8 @@
 
 use tracebench_api::glam::DVec3;
 
-/// As `LEAST_DEPTH` there: a triangle is stored from so many of its sizes on.
-pub(super) const LEAST_DEPTH: f64 = 1.220_703_125e-4;
+/// As `MIN_DEPTH` there: a triangle is stored from so many of its sizes on.
+pub(super) const MIN_DEPTH: f64 = 1.220_703_125e-4;
 /// As `TILE_MARGIN` in shaders/dirt/packed_grid.wgsl, tiles.
 pub(super) const TILE_MARGIN: f64 = 0.031_25;
 /// As `COUNT_MARGIN` in shaders/dirt/part_lists.wgsl, tiles.
@@ -96,9 +96,9 @@ pub(super) fn part(polygon: &[DVec3], tiles: u32, tile: [u32; 2], margin: f64) -
 }
 
 /// By how much the device may be off of a polygon's places, tiles: as in `make_polygon`.
-pub(super) fn place_loss(size: f64, least_depth: f64, tiles: u32) -> f64 {
+pub(super) fn place_loss(size: f64, min_depth: f64, tiles: u32) -> f64 {
     let unit = 2.0_f64.powi(-19);
-    unit * (size / least_depth + 1.0) * 0.5 * f64::from(tiles) + 2.0_f64.powi(-14)
+    unit * (size / min_depth + 1.0) * 0.5 * f64::from(tiles) + 2.0_f64.powi(-14)
 }
 
 #[cfg(test)]

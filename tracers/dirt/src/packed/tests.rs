@@ -11,9 +11,9 @@ use tracebench_shaders::constants;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, soup};
 
 use super::PackedStructure;
+use super::buffers::MAX_PARTS;
 use super::build::{LARGE_WORKGROUPS, WORKGROUP_SIZE};
 use super::layout::{FACES, FIRST_NEAR, MISPLACED};
-use super::rooms::MOST_PARTS;
 use crate::tests::{hostile, parameters, viewpoint};
 
 /// A way to store what is in the view of tests; further settings after it.
@@ -37,7 +37,7 @@ fn constants_are_those_of_the_shaders() {
         ("part_lists", "FACES", FACES),
         ("part_lists", "FIRST_NEAR", FIRST_NEAR),
         ("part_lists", "MISPLACED", MISPLACED),
-        ("part_trees", "MOST_PARTS", MOST_PARTS),
+        ("part_trees", "MAX_PARTS", MAX_PARTS),
     ] {
         assert_eq!(constants(&format!("dirt/{file}.wgsl"), name), [expected].into(), "{file}: {name}");
     }
@@ -163,29 +163,29 @@ fn a_spoilt_structure_is_noticed() {
         let structure = built(&gpu, &geometry, &settings);
         structure.check(&geometry).unwrap();
         assert!(structure.check(&soup(&aside, Some(&gpu))).is_err(), "another scene is not noticed");
-        let rooms = &structure.rooms;
+        let buffers = &structure.buffers;
         let quads: Vec<[u32; 4]> =
-            bytemuck::pod_collect_to_vec(&gpu.read(&rooms.quads.buffer, rooms.quads.used_bytes).unwrap());
+            bytemuck::pod_collect_to_vec(&gpu.read(&buffers.quads.buffer, buffers.quads.used_bytes).unwrap());
         // The tile with most references.
         let tile = (0..structure.layout.tile_count() as usize).max_by_key(|tile| quads[*tile][1]).unwrap();
         let [first, count, node, _] = quads[tile].map(u64::from);
         assert!(count > 8, "{count}");
-        let head = u64::from(FIRST_NEAR + rooms.triangle_count);
+        let head = u64::from(FIRST_NEAR + buffers.triangle_count);
         let top = u64::from(structure.layout.cells()) - 1;
         let mut spoils = vec![
-            ("no triangle", &rooms.words.buffer, (head + first) * 4, 1 << 30),
-            ("a shorter list", &rooms.quads.buffer, tile as u64 * 16 + 4, count as u32 - 1),
-            ("the pyramid's top", &rooms.masks.buffer, top * 8, 0),
+            ("no triangle", &buffers.words.buffer, (head + first) * 4, 1 << 30),
+            ("a shorter list", &buffers.quads.buffer, tile as u64 * 16 + 4, count as u32 - 1),
+            ("the pyramid's top", &buffers.masks.buffer, top * 8, 0),
         ];
         if lists == "trees" {
-            let words = gpu.read(&rooms.words.buffer, rooms.words.used_bytes).unwrap();
+            let words = gpu.read(&buffers.words.buffer, buffers.words.used_bytes).unwrap();
             let second = bytemuck::pod_collect_to_vec::<u8, u32>(&words)[(head + first) as usize + 1];
-            spoils.push(("a triangle twice", &rooms.words.buffer, (head + first) * 4, second));
-            spoils.push(("a part without a box", &rooms.nodes.buffer, node * 48, u32::MAX));
-            spoils.push(("a node that is too small", &rooms.nodes.buffer, node * 48 + 8, 0));
-            spoils.push(("another scale", &rooms.quads.buffer, tile as u64 * 16 + 12, 1));
+            spoils.push(("a triangle twice", &buffers.words.buffer, (head + first) * 4, second));
+            spoils.push(("a part without a box", &buffers.nodes.buffer, node * 48, u32::MAX));
+            spoils.push(("a node that is too small", &buffers.nodes.buffer, node * 48 + 8, 0));
+            spoils.push(("another scale", &buffers.quads.buffer, tile as u64 * 16 + 12, 1));
         } else {
-            spoils.push(("a list elsewhere", &rooms.nodes.buffer, node * 4 + 4, first as u32 + count as u32));
+            spoils.push(("a list elsewhere", &buffers.nodes.buffer, node * 4 + 4, first as u32 + count as u32));
         }
         for (name, buffer, offset, value) in spoils {
             let before = gpu.read(buffer, offset + 4).unwrap()[offset as usize..].to_vec();
@@ -206,7 +206,7 @@ fn a_structure_that_overflows_grows() {
     let all = soup(&triangles(), Some(&gpu));
     for settings in [FORMS[0], FORMS[3], FORMS[5]] {
         let mut structure = built(&gpu, &few, settings);
-        assert!(!structure.make_room().unwrap());
+        assert!(!structure.grow_on_overflow().unwrap());
         let rebuild = |structure: &mut Built<PackedStructure>| {
             let mut clock = PhaseClock::new(Some(&gpu));
             structure.update(Update::Rebuild, &all, &viewpoint(), &parameters(settings), &mut clock).unwrap();
@@ -214,9 +214,9 @@ fn a_structure_that_overflows_grows() {
         };
         rebuild(&mut structure);
         assert!(structure.check(&all).is_err(), "{settings:?}: an overflow passes as sound");
-        assert!(structure.make_room().unwrap());
+        assert!(structure.grow_on_overflow().unwrap());
         rebuild(&mut structure);
-        assert!(!structure.make_room().unwrap());
+        assert!(!structure.grow_on_overflow().unwrap());
         assert_eq!(structure.check(&all).unwrap(), built(&gpu, &all, settings).check(&all).unwrap(), "{settings:?}");
     }
 }
@@ -228,19 +228,19 @@ fn builds_are_the_same_bit_for_bit() {
     let geometry = soup(&[triangles(), vec![triangles()[7]; 300]].concat(), Some(&gpu));
     for settings in [FORMS[0], FORMS[3]] {
         let words = |structure: &Built<PackedStructure>| {
-            let rooms = &structure.rooms;
-            let head = u64::from(FIRST_NEAR + rooms.triangle_count) as usize * 4;
-            let references = gpu.read(&rooms.words.buffer, rooms.words.used_bytes).unwrap();
-            let nodes = gpu.read(&rooms.nodes.buffer, rooms.nodes.used_bytes).unwrap();
-            (references[head..].to_vec(), nodes, gpu.read(&rooms.masks.buffer, rooms.masks.used_bytes).unwrap())
+            let buffers = &structure.buffers;
+            let head = u64::from(FIRST_NEAR + buffers.triangle_count) as usize * 4;
+            let references = gpu.read(&buffers.words.buffer, buffers.words.used_bytes).unwrap();
+            let nodes = gpu.read(&buffers.nodes.buffer, buffers.nodes.used_bytes).unwrap();
+            (references[head..].to_vec(), nodes, gpu.read(&buffers.masks.buffer, buffers.masks.used_bytes).unwrap())
         };
         let [one, other] = [0, 1].map(|_| words(&built(&gpu, &geometry, settings)));
         assert!(one == other, "{settings:?}");
     }
 }
 
-/// Proves that every part has a place that was counted for it: of large triangles whose tips reach just beyond a face, so that what is left of
-/// them there has an edge far shorter than the others, in tiles as small as they may be.
+/// Proves that every part has a place that was counted for it: of large triangles whose tips reach just beyond a face, so that what is left
+/// of them there has an edge far shorter than the others, in tiles as small as they may be.
 #[test]
 fn parts_of_cut_triangles_have_places() {
     let (gpu, eye) = (gpu(), viewpoint().eye);
@@ -256,7 +256,7 @@ fn parts_of_cut_triangles_have_places() {
     let geometry = soup(&all, Some(&gpu));
     for settings in [[("lists", "trees"), ("face_tiles", "256")], [("lists", "trees"), ("face_tiles", "200")]] {
         let mut structure = built(&gpu, &geometry, &settings);
-        structure.make_room().unwrap();
+        structure.grow_on_overflow().unwrap();
     }
 }
 
@@ -264,7 +264,7 @@ fn parts_of_cut_triangles_have_places() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let whole = gpu();
-    let bytes = built(&whole, &soup(&triangles(), Some(&whole)), FORMS[0]).rooms.parts.used_bytes;
+    let bytes = built(&whole, &soup(&triangles(), Some(&whole)), FORMS[0]).buffers.parts.used_bytes;
     let small = gpu_that_binds(bytes / 4 * 4 - 16);
     let refused = built_at(&small, &soup(&triangles(), Some(&small)), &viewpoint(), FORMS[0]).err();
     let message = refused.map(|error| error.to_string()).unwrap_or_default();

@@ -1,9 +1,9 @@
 //! Tracing a packed structure on the device.
 
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
-use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::{Counter, Gpu, HitBuffer, MemoryEntry, Query, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, Search, SearchEntry, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays,
+    Left, MemoryAccess, RayCounts, Search, SearchJob, SearchedRays, TouchedBits, bind_arrays, bind_group_at,
     uniform_buffer, untimed,
 };
 use tracebench_shaders::dirt::PackedTrace;
@@ -56,7 +56,7 @@ impl PackedStructure {
     }
 
     fn variant(&self, counters: bool) -> PackedTrace {
-        let textures = self.arrays[0].reads() == Reads::Texture;
+        let textures = self.arrays[0].memory_access() == MemoryAccess::Texture;
         match self.layout.lists {
             Lists::Trees => PackedTrace::Trees { textures, counters },
             Lists::Slices => PackedTrace::Slices { textures, counters },
@@ -68,13 +68,8 @@ impl PackedStructure {
 impl Search for PackedStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let gpu = &*self.pipelines.gpu;
         let parameters = DirtParameters::try_from(job.parameters)?;
         if let Some(map) = self.shadow_map.as_ref().filter(|map| map.answers(job)) {
@@ -82,7 +77,7 @@ impl Search for PackedStructure {
         }
         let search = self.search(job, &parameters);
         let variant = self.variant(counting.is_some());
-        let grid = uniform_buffer(gpu, "packed grid", &self.rooms.grid(&self.layout))?;
+        let grid = uniform_buffer(gpu, "packed grid", &self.buffers.grid(&self.layout))?;
         let settings = uniform_buffer(gpu, "search", &search)?;
         let hits_on_device = hits.on_device(job.rays.host.len())?;
         let bound = [(0, &grid), (1, &settings), (7, job.rays.on_device()?), (8, hits_on_device)];
@@ -92,30 +87,21 @@ impl Search for PackedStructure {
             .chain(counted.into_iter().flatten())
             .map(|(binding, buffer)| (binding, buffer.as_entire_binding()))
             .collect();
-        let arrays = |pipeline: &ComputePipeline| bind_arrays(gpu, pipeline, &self.arrays);
-        let bind = |pipeline: &ComputePipeline, resources: &[(u32, BindingResource<'_>)]| {
-            [bind_group_at(gpu, &pipeline.get_bind_group_layout(0), resources), arrays(pipeline)]
-        };
-        // Workgroups that answer what the first search leaves, of which it tells by itself where it does not count.
+        // Where it does not count the first dispatch tells what it leaves: among others the rays that pass the eye.
         let left = left_buffer(gpu)?;
-        let told = counting.is_none().then(|| (11, left.as_entire_binding()));
-        let search_first = if search.rays_per_lane == 1 { SearchEntry::OneRay } else { SearchEntry::InTurns };
-        let first = self.pipelines.packed.trace.of(gpu, variant, search_first)?;
-        let first_groups = bind(&first, &resources.iter().cloned().chain(told).collect::<Vec<_>>());
-        let second = self.pipelines.packed.trace.of(gpu, variant, SearchEntry::Unanswered)?;
-        let second_groups = bind(&second, &resources);
-        clock.device_phase("trace", |encoder| {
-            // No status is 0.
-            encoder.clear_buffer(hits_on_device, 0, None);
-            dispatch_rays(encoder, &first, &first_groups.each_ref(), search.ray_count, search.rays_per_lane);
-            match counting {
-                None => dispatch_indirect(encoder, &second, &second_groups.each_ref(), &left),
-                Some(_) => dispatch_rays(encoder, &second, &second_groups.each_ref(), search.ray_count, 1),
-            }
-        })?;
-        match job.end {
-            EndPoint::Hit => Ok(()),
-            EndPoint::Surface => {
+        let bind = |pipeline: &ComputePipeline, is_first: bool| {
+            let told = (is_first && counting.is_none()).then(|| (11, left.as_entire_binding()));
+            let resources: Vec<_> = resources.iter().cloned().chain(told).collect();
+            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
+            vec![own, bind_arrays(gpu, pipeline, &self.arrays)]
+        };
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let left = if counting.is_none() { Left::Told(&left) } else { Left::Any };
+        let rays = SearchedRays { count, per_lane, hits: hits_on_device, left };
+        self.pipelines.packed.trace.record(gpu, variant, rays, bind, clock)?;
+        match job.trace_to {
+            TraceTo::Hit => Ok(()),
+            TraceTo::Surface => {
                 self.pipelines.gather()?.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
             }
         }
@@ -125,9 +111,9 @@ impl Search for PackedStructure {
         let gpu = &*self.pipelines.gpu;
         let counting = Counting {
             counts: RayCounts::new(gpu, &COUNTERS, job.rays.host.len())?,
-            touched: TouchedBits::new(gpu, "references touched", u64::from(self.rooms.capacities[0]), "--size")?,
+            touched: TouchedBits::new(gpu, "references touched", u64::from(self.buffers.capacities[0]), "--size")?,
         };
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu)?;
         counters.retain(|counter| counter.name != ROUNDS || self.layout.lists == Lists::Trees);

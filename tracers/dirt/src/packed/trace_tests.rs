@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{Counter, EndPoint, Gpu, Hit, Query, Ray, Status};
+use tracebench_api::{Counter, Gpu, Hit, Query, Ray, Status, TraceTo};
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, counted, gpu, ray, soup, total};
 
@@ -20,8 +20,8 @@ fn answer(
     settings: &[(&str, &str)],
 ) -> (Vec<Hit>, Vec<Counter>) {
     let parameters = parameters(settings);
-    let (plain, _) = answers(gpu, structure, rays, query, &parameters, EndPoint::Hit);
-    let (hits, _, counters) = counted(gpu, structure, rays, query, &parameters, EndPoint::Hit);
+    let (plain, _) = answers(gpu, structure, rays, query, &parameters, TraceTo::Hit);
+    let (hits, _, counters) = counted(gpu, structure, rays, query, &parameters, TraceTo::Hit);
     assert_eq!(plain, hits, "{settings:?}: counting changes hits");
     (plain, counters)
 }
@@ -75,8 +75,8 @@ fn differing(one: &[Hit], other: &[Hit]) -> Vec<usize> {
     (0..one.len()).filter(|index| one[*index] != other[*index]).collect()
 }
 
-/// Whether a hit lies where its triangle is: in a plane that holds the ray rounding alone decides what the test of triangles finds, which may
-/// be nowhere near it.
+/// Whether a hit lies where its triangle is: in a plane that holds the ray rounding alone decides what the test of triangles finds, which
+/// may be nowhere near it.
 fn lies_on_its_triangle(ray: &Ray, hit: &Hit, triangles: &[[[f32; 3]; 3]]) -> bool {
     if !hit.is_hit() {
         return true;
@@ -253,7 +253,7 @@ fn steps_run_out_and_textures_hold_the_same() {
         assert!(given_up > 50 && given_up < rays.len(), "{form:?}: {given_up}");
         let cut_off = expected.iter().filter(|hit| hit.status == Status::StepCap as u32).count();
         assert_eq!(cut_off, 0, "{form:?}");
-        let textures = exact(&[form, &[("reads", "texture")]].concat());
+        let textures = exact(&[form, &[("memory_access", "texture")]].concat());
         let (found, _) = answer(&gpu, &built(&gpu, &geometry, &textures), &rays, Query::Closest, &textures);
         assert_eq!(found, expected, "{form:?}");
     }

@@ -11,7 +11,7 @@ use tracebench_api::{Geometry, TracerError};
 use super::PackedStructure;
 use super::layout::{FACES, FIRST_NEAR, first_leaf, node_count};
 use super::parts::{
-    BOX_MARGIN, BOX_STEP, Bounds, COUNT_MARGIN, LEAST_DEPTH, TILE_MARGIN, bounds, in_face, part, place_loss, size_of,
+    BOX_MARGIN, BOX_STEP, Bounds, COUNT_MARGIN, MIN_DEPTH, TILE_MARGIN, bounds, in_face, part, place_loss, size_of,
     to_face,
 };
 use crate::description::Lists;
@@ -98,18 +98,18 @@ impl ReadBack {
 impl PackedStructure {
     pub(super) fn read_back(&self) -> Result<ReadBack, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let needed = self.rooms.needed(gpu)?;
-        if let Some((need, room)) = needed.iter().zip(&self.rooms.capacities).find(|(need, room)| need > room) {
+        let needed = self.buffers.needed(gpu)?;
+        if let Some((need, room)) = needed.iter().zip(&self.buffers.capacities).find(|(need, room)| need > room) {
             return Err(wrong(format!("{need} parts or nodes were needed, there is room for {room}")));
         }
-        let words = |room: &tracebench_kit::Room| -> Result<Vec<u32>, TracerError> {
+        let words = |room: &tracebench_kit::GrowableBuffer| -> Result<Vec<u32>, TracerError> {
             Ok(bytemuck::pod_collect_to_vec(&gpu.read(&room.buffer, room.used_bytes)?))
         };
-        let quads = words(&self.rooms.quads)?;
-        let masks = words(&self.rooms.masks)?;
+        let quads = words(&self.buffers.quads)?;
+        let masks = words(&self.buffers.masks)?;
         let tile_words = &quads[..self.layout.tile_count() as usize * 4];
         let cells = (FACES * self.layout.cells()) as usize;
-        let nodes = words(&self.rooms.nodes)?;
+        let nodes = words(&self.buffers.nodes)?;
         let trees = self.layout.lists == Lists::Trees;
         Ok(ReadBack {
             tiles: tile_words.chunks_exact(4).map(|tile| [tile[0], tile[1], tile[2], tile[3]]).collect(),
@@ -117,10 +117,10 @@ impl PackedStructure {
                 .chunks_exact(2)
                 .map(|pair| u64::from(pair[0]) | u64::from(pair[1]) << 32)
                 .collect(),
-            words: words(&self.rooms.words)?,
+            words: words(&self.buffers.words)?,
             nodes: if trees { bytemuck::pod_collect_to_vec::<u32, Node>(&nodes) } else { Vec::new() },
             lists: if trees { Vec::new() } else { nodes },
-            triangle_count: self.rooms.triangle_count,
+            triangle_count: self.buffers.triangle_count,
         })
     }
 
@@ -288,7 +288,7 @@ impl PackedStructure {
             for face in 0..FACES {
                 let seen = corners.map(|corner| to_face(face, corner));
                 let nearest = in_face(&seen, 0.0, 0.0).iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
-                if nearest < LEAST_DEPTH * size && !(listed.contains(&primitive) && cube >= LEAST_DEPTH * size) {
+                if nearest < MIN_DEPTH * size && !(listed.contains(&primitive) && cube >= MIN_DEPTH * size) {
                     return Err(wrong(format!("triangle {primitive} comes as near as {nearest} and is not listed")));
                 }
                 let begin = stored.partition_point(|each| (each.0, each.1) < (primitive, face * of_face));
@@ -310,8 +310,8 @@ impl PackedStructure {
     ) -> Result<(), TracerError> {
         let (edge, size) = (self.layout.tiles, size_of(seen));
         // What is stored, at least; and at most.
-        let least = in_face(seen, LEAST_DEPTH * size * (1.0 + 1.0 / 128.0), 0.0);
-        let most = in_face(seen, LEAST_DEPTH * size * (1.0 - 1.0 / 64.0), 1.0);
+        let least = in_face(seen, MIN_DEPTH * size * (1.0 + 1.0 / 128.0), 0.0);
+        let most = in_face(seen, MIN_DEPTH * size * (1.0 - 1.0 / 64.0), 1.0);
         let depth = most.iter().map(|point| point.z).fold(size, f64::min);
         let margin = TILE_MARGIN + 2.0 * (place_loss(size, depth, edge) + COUNT_MARGIN);
         let place = |tile: u32| format!("triangle {primitive} in tile {tile} of {edge} by {edge} by 6");

@@ -12,8 +12,8 @@ const SEARCHES: [[(&str, &str); 3]; 6] = [
     [("search", "dda2d"), ("depths", "plane"), ("inside", "parity")],
 ];
 
-/// Over one buffer of a kind, one an axis with data in halves, or textures of either, with a ray a lane or several, timed or counted, hits and
-/// surfaces are the same bits, for every search and both queries.
+/// Over one buffer of a kind, one an axis with data in halves, or textures of either, with a ray a lane or several, timed or counted, hits
+/// and surfaces are the same bits, for every search and both queries.
 #[test]
 fn every_variant_gives_the_same_bits() {
     let gpu = gpu();
@@ -28,11 +28,11 @@ fn every_variant_gives_the_same_bits() {
     type Answers = [(Vec<Hit>, Vec<Surface>); 2];
     let mut expected: Vec<Option<Answers>> = vec![None; SEARCHES.len()];
     let mut hits_seen = 0;
-    for (device, reads, rays_per_lane) in
+    for (device, memory_access, rays_per_lane) in
         [(0, "buffer", "1"), (0, "texture", "7"), (1, "buffer", "3"), (1, "texture", "1")]
     {
         let (gpu, geometry) = if device == 0 { (&gpu, &geometry) } else { (&small, &of_small) };
-        let settings = [&shape[..], &[("reads", reads), ("rays_per_lane", rays_per_lane)]].concat();
+        let settings = [&shape[..], &[("memory_access", memory_access), ("rays_per_lane", rays_per_lane)]].concat();
         let structure = built(gpu, geometry, &settings);
         let nodes = &structure.buffers.lists.as_ref().unwrap().nodes;
         assert_eq!((nodes.is_by_axis(), nodes.has_halves()), (device == 1, device == 1), "{settings:?}");
@@ -40,8 +40,8 @@ fn every_variant_gives_the_same_bits() {
         for (search, expected) in SEARCHES.iter().zip(&mut expected) {
             let settings = [&settings[..], search].concat();
             let found = [Query::Closest, Query::Any].map(|query| {
-                let found = answer(gpu, &structure, &rays, query, &settings, EndPoint::Surface);
-                assert_eq!(answer(gpu, &structure, &rays, query, &settings, EndPoint::Hit).0, found.0, "{settings:?}");
+                let found = answer(gpu, &structure, &rays, query, &settings, TraceTo::Surface);
+                assert_eq!(answer(gpu, &structure, &rays, query, &settings, TraceTo::Hit).0, found.0, "{settings:?}");
                 assert_eq!(counted(gpu, &structure, &rays, query, &settings).0, found.0, "{settings:?}");
                 found
             });
@@ -56,8 +56,8 @@ fn every_variant_gives_the_same_bits() {
     assert!((1..SEARCHES.len()).all(|other| expected[other] != expected[0]));
 }
 
-/// What is counted agrees with itself: fewer points are compared at fewer steps, none by binary search where any hit will do, and no more is
-/// touched than there is; voxels alone are stepped through, hit where a ray enters them, and have no surfaces.
+/// What is counted agrees with itself: fewer points are compared at fewer steps, none by binary search where any hit will do, and no more
+/// is touched than there is; voxels alone are stepped through, hit where a ray enters them, and have no surfaces.
 #[test]
 fn counters_count_what_is_done() {
     let gpu = gpu();
@@ -89,11 +89,11 @@ fn counters_count_what_is_done() {
     assert!(
         total(&counters, "voxels_stepped") > rays.len() as u64 && hits.iter().filter(|hit| hit.is_hit()).count() > 100
     );
-    let textures = [&only[..], &[("reads", "texture"), ("rays_per_lane", "5")]].concat();
+    let textures = [&only[..], &[("memory_access", "texture"), ("rays_per_lane", "5")]].concat();
     assert_eq!(closest(&gpu, &built(&gpu, &geometry, &textures), &rays, &textures), hits);
     let buffer = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(&gpu));
-    let mut hits = HitBuffer::for_end(EndPoint::Surface, rays.len(), Residency::Device, Some(&gpu)).unwrap();
-    let job = TraceJob { rays: &buffer, end: EndPoint::Surface, parameters: &parameters(&only) };
+    let mut hits = HitBuffer::tracing_to(TraceTo::Surface, rays.len(), Residency::Device, Some(&gpu)).unwrap();
+    let job = TraceJob { rays: &buffer, trace_to: TraceTo::Surface, parameters: &parameters(&only) };
     let refused = voxels.trace(job, &mut hits, &mut PhaseClock::new(Some(&gpu))).unwrap_err();
     assert!(matches!(&refused, TracerError::Unsupported(what) if what.contains("two-level")), "{refused}");
 }
@@ -119,8 +119,8 @@ fn voxels_alone_are_hit_where_they_are_entered() {
     }
 }
 
-/// Rays whose lanes have more to do than a driver lets loops run are answered all the same, as with a ray a lane. Hundreds of layers a texel
-/// are tested at dozens of points: ten such rays a lane are more than Mesa's 65,535 rounds.
+/// Rays whose lanes have more to do than a driver lets loops run are answered all the same, as with a ray a lane. Hundreds of layers a
+/// texel are tested at dozens of points: ten such rays a lane are more than Mesa's 65,535 rounds.
 #[test]
 fn rays_of_lanes_that_are_cut_off_are_answered() {
     let gpu = gpu();
@@ -136,7 +136,7 @@ fn rays_of_lanes_that_are_cut_off_are_answered() {
     let structure = built(&gpu, &geometry, &[]);
     let of = |rays_per_lane| {
         let settings = [("rays_per_lane", rays_per_lane)];
-        answer(&gpu, &structure, &rays, Query::Closest, &settings, EndPoint::Surface)
+        answer(&gpu, &structure, &rays, Query::Closest, &settings, TraceTo::Surface)
     };
     let one = of("1");
     let count = |is: fn(&Hit) -> bool| one.0.iter().filter(|hit| is(hit)).count();

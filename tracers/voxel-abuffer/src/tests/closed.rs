@@ -59,7 +59,7 @@ fn walls_are_met_from_outside_and_from_within() {
                 let right = |(hit, t): &(&Hit, &f64)| hit.is_hit() && (f64::from(hit.t) - **t).abs() < 4.0 * texel;
                 let share = hits.iter().zip(&expected).filter(right).count() as f64 / rays.len() as f64;
                 assert!(share > 0.99, "{settings:?}: {share}");
-                let any = answer(&gpu, &structure, &rays, Query::Any, &settings, EndPoint::Hit).0;
+                let any = answer(&gpu, &structure, &rays, Query::Any, &settings, TraceTo::Hit).0;
                 let differ = any.iter().zip(&hits).filter(|(any, hit)| any.is_hit() != hit.is_hit()).count();
                 assert_eq!(differ, 0, "{settings:?}");
             }
@@ -74,7 +74,7 @@ fn surfaces_are_the_walls() {
     let geometry = soup(&boxes(), Some(&gpu));
     let (rays, expected): (Vec<Ray>, Vec<f64>) = onto_the_box(400).into_iter().unzip();
     let structure = built(&gpu, &geometry, &[("abuffer", "128")]);
-    let (hits, surfaces) = answer(&gpu, &structure, &rays, Query::Closest, &[("abuffer", "128")], EndPoint::Surface);
+    let (hits, surfaces) = answer(&gpu, &structure, &rays, Query::Closest, &[("abuffer", "128")], TraceTo::Surface);
     let (low, high) = (DVec3::new(-3.0, -2.0, -1.0), DVec3::new(1.0, 2.0, 2.0));
     let mut right = 0;
     for (index, (hit, surface)) in hits.iter().zip(&surfaces).enumerate() {

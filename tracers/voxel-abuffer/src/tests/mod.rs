@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
-    Structure, Surface, TraceJob, TracerError, Viewpoint,
+    Counter, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency, Structure,
+    Surface, TraceJob, TraceTo, TracerError, Viewpoint,
 };
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup, total};
@@ -60,13 +60,13 @@ fn answer(
     rays: &[Ray],
     query: Query,
     settings: &[(&str, &str)],
-    end: EndPoint,
+    trace_to: TraceTo,
 ) -> (Vec<Hit>, Vec<Surface>) {
-    answers(gpu, structure, rays, query, &parameters(settings), end)
+    answers(gpu, structure, rays, query, &parameters(settings), trace_to)
 }
 
 fn closest(gpu: &Arc<Gpu>, structure: &Built<VoxelStructure>, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
-    answer(gpu, structure, rays, Query::Closest, settings, EndPoint::Hit).0
+    answer(gpu, structure, rays, Query::Closest, settings, TraceTo::Hit).0
 }
 
 /// Hits and counters by the variant that counts.
@@ -78,7 +78,7 @@ fn counted(
     settings: &[(&str, &str)],
 ) -> (Vec<Hit>, Vec<Counter>) {
     let (hits, _, counters) =
-        tracebench_tests::counted(gpu, structure, rays, query, &parameters(settings), EndPoint::Hit);
+        tracebench_tests::counted(gpu, structure, rays, query, &parameters(settings), TraceTo::Hit);
     (hits, counters)
 }
 

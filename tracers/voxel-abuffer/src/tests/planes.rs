@@ -85,8 +85,8 @@ fn fragments(gpu: &Gpu, structure: &Built<VoxelStructure>) -> Vec<(usize, u32, [
     found
 }
 
-/// What is stored of hostile triangles, of large plates and of a ball is what the host clips in f64, by every shape of the structure; and by
-/// the rasterizer and in compute the same fragments are stored, bit for bit, and the same voxels marked.
+/// What is stored of hostile triangles, of large plates and of a ball is what the host clips in f64, by every shape of the structure; and
+/// by the rasterizer and in compute the same fragments are stored, bit for bit, and the same voxels marked.
 #[test]
 fn planes_are_what_the_host_clips() {
     let gpu = gpu();
@@ -299,8 +299,8 @@ fn large_plates_are_met_by_both_builds() {
     assert!(of("compute").is_none_or(|compute| compute == raster));
 }
 
-/// Over one buffer of a kind, one an axis with data in halves, or textures of either, with a ray a lane or several, timed or counted, hits and
-/// surfaces are the same bits; to hits and to surfaces alike, ties too, and any hit answers as the nearest does.
+/// Over one buffer of a kind, one an axis with data in halves, or textures of either, with a ray a lane or several, timed or counted, hits
+/// and surfaces are the same bits; to hits and to surfaces alike, ties too, and any hit answers as the nearest does.
 #[test]
 fn planes_give_the_same_bits_by_every_variant() {
     let gpu = gpu();
@@ -314,18 +314,19 @@ fn planes_give_the_same_bits_by_every_variant() {
     let of_small = soup(&triangles, Some(&small));
     let rays = rays(1500);
     let mut expected = None;
-    for (device, reads, rays_per_lane) in
+    for (device, memory_access, rays_per_lane) in
         [(0, "buffer", "1"), (0, "texture", "7"), (1, "buffer", "3"), (1, "texture", "1")]
     {
         let (gpu, geometry) = if device == 0 { (&gpu, &geometry) } else { (&small, &of_small) };
-        let settings = planes(&[&shape[..], &[("reads", reads), ("rays_per_lane", rays_per_lane)]].concat());
+        let settings =
+            planes(&[&shape[..], &[("memory_access", memory_access), ("rays_per_lane", rays_per_lane)]].concat());
         let structure = built(gpu, geometry, &settings);
         let nodes = &structure.buffers.lists.as_ref().unwrap().nodes;
         assert_eq!((nodes.is_by_axis(), nodes.has_halves()), (device == 1, device == 1), "{settings:?}");
         structure.validate_against(geometry).unwrap();
         let found = [Query::Closest, Query::Any].map(|query| {
-            let found = answer(gpu, &structure, &rays, query, &settings, EndPoint::Surface);
-            assert_eq!(answer(gpu, &structure, &rays, query, &settings, EndPoint::Hit).0, found.0, "{settings:?}");
+            let found = answer(gpu, &structure, &rays, query, &settings, TraceTo::Surface);
+            assert_eq!(answer(gpu, &structure, &rays, query, &settings, TraceTo::Hit).0, found.0, "{settings:?}");
             assert_eq!(counted(gpu, &structure, &rays, query, &settings).0, found.0, "{settings:?}");
             found
         });
@@ -349,7 +350,7 @@ fn surfaces_are_the_planes() {
         let mut numbers = Numbers::new(8);
         let centre = DVec3::new(0.3, -0.2, 0.1);
         let rays: Vec<Ray> = (0..800).map(|_| ray(centre, numbers.direction())).collect();
-        let (hits, surfaces) = answer(&gpu, &structure, &rays, Query::Closest, &settings, EndPoint::Surface);
+        let (hits, surfaces) = answer(&gpu, &structure, &rays, Query::Closest, &settings, TraceTo::Surface);
         let mut right = 0;
         for ((ray, hit), surface) in rays.iter().zip(&hits).zip(&surfaces) {
             assert_eq!(surface.status, SurfaceStatus::Written as u32);
@@ -374,7 +375,7 @@ fn planes_are_counted_and_grow() {
     let many = soup(&all, Some(&gpu));
     let (rays, settings) = (rays(600), planes(&[]));
     let mut structure = built(&gpu, &few, &settings);
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     let update = |structure: &mut Built<VoxelStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&settings), &mut clock).unwrap();
@@ -382,13 +383,12 @@ fn planes_are_counted_and_grow() {
     };
     update(&mut structure);
     assert!(structure.validate_against(&many).is_err());
-    assert!(structure.make_room().unwrap());
+    assert!(structure.grow_on_overflow().unwrap());
     update(&mut structure);
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     structure.validate_against(&many).unwrap();
-    let of = |structure: &Built<VoxelStructure>| {
-        answer(&gpu, structure, &rays, Query::Closest, &settings, EndPoint::Surface)
-    };
+    let of =
+        |structure: &Built<VoxelStructure>| answer(&gpu, structure, &rays, Query::Closest, &settings, TraceTo::Surface);
     assert_eq!(of(&structure), of(&built(&gpu, &many, &settings)));
     let (hits, counters) = counted(&gpu, &structure, &rays, Query::Closest, &settings);
     let (_, of_any) = counted(&gpu, &structure, &rays, Query::Any, &settings);
@@ -452,7 +452,7 @@ fn too_many_planes_are_refused() {
     let geometry = soup(&[hostile(), hostile(), hostile(), hostile()].concat(), Some(&gpu));
     for settings in [planes(&[("abuffer", "16384")]), planes(&[("abuffer", "300"), ("grid", "8")])] {
         let refused = try_built(&gpu, &geometry, &settings).err();
-        let told = |what: &TracerError| matches!(what, TracerError::TooLarge { turn_down, .. } if turn_down.contains("voxel-abuffer.abuffer"));
+        let told = |what: &TracerError| matches!(what, TracerError::TooLarge { hint, .. } if hint.contains("voxel-abuffer.abuffer"));
         assert!(refused.as_ref().is_some_and(told), "{settings:?}: {refused:?}");
     }
     built(&gpu, &geometry, &planes(&[("abuffer", "64")]));

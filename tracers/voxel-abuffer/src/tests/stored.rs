@@ -22,7 +22,7 @@ const VARIANTS: [&[(&str, &str)]; 10] = [
     &[("average", "lines"), ("fit", "box")],
     &[("cancelled_below", "0.5"), ("grid", "7")],
     &[("abuffer", "33"), ("grid", "40")],
-    &[("reads", "texture")],
+    &[("memory_access", "texture")],
     &[("structure", "voxels-only"), ("grid", "50")],
     &[("build", "compute"), ("fit", "box")],
     &[("build", "compute"), ("structure", "voxels-only"), ("grid", "50")],
@@ -88,20 +88,20 @@ fn a_structure_that_overflows_grows() {
     let many = soup(&all, Some(&gpu));
     let rays = rays(400);
     let mut structure = built(&gpu, &few, &[]);
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     let update = |structure: &mut Built<VoxelStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
         clock.finish().unwrap();
     };
-    let of = |structure: &Built<VoxelStructure>| answer(&gpu, structure, &rays, Query::Closest, &[], EndPoint::Surface);
+    let of = |structure: &Built<VoxelStructure>| answer(&gpu, structure, &rays, Query::Closest, &[], TraceTo::Surface);
     update(&mut structure);
     // Before it has grown it is whole as far as it goes.
     of(&structure);
     assert!(structure.validate_against(&many).is_err());
-    assert!(structure.make_room().unwrap());
+    assert!(structure.grow_on_overflow().unwrap());
     update(&mut structure);
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     structure.validate_against(&many).unwrap();
     assert_eq!(of(&structure), of(&built(&gpu, &many, &[])));
     assert_ne!(of(&structure), of(&built(&gpu, &few, &[])));
@@ -120,7 +120,7 @@ fn too_much_is_refused() {
     ] {
         let refused = try_built(&gpu, &geometry, settings).err();
         assert!(
-            matches!(&refused, Some(TracerError::TooLarge { turn_down, .. }) if turn_down.contains(remedy)),
+            matches!(&refused, Some(TracerError::TooLarge { hint, .. }) if hint.contains(remedy)),
             "{settings:?}: {refused:?}"
         );
     }
@@ -137,7 +137,7 @@ fn what_cannot_be_ordered_or_summed_is_an_error() {
     let geometry = soup(&plates, Some(&gpu));
     let settings = [("abuffer", "3")];
     let mut structure = built(&gpu, &geometry, &settings);
-    match structure.make_room() {
+    match structure.grow_on_overflow() {
         Ok(grown) => {
             let hits = closest(&gpu, &structure, &[ray(DVec3::new(10.0, 20.0, -50.0), DVec3::Z)], &settings);
             assert!(!grown && (hits[0].t - 50.0).abs() < 2.0, "{hits:?}");
@@ -170,7 +170,7 @@ fn an_axis_of_few_fragments_needs_no_second_half() {
     let structure = built(&small, &of_small, &[]);
     assert!(structure.buffers.lists.as_ref().unwrap().nodes.has_halves());
     structure.validate_against(&of_small).unwrap();
-    let of = |gpu, structure| answer(gpu, structure, &rays, Query::Closest, &[], EndPoint::Surface);
+    let of = |gpu, structure| answer(gpu, structure, &rays, Query::Closest, &[], TraceTo::Surface);
     let found = of(&small, &structure);
     assert!(found == of(&gpu, &built(&gpu, &geometry, &[])) && found.0.iter().any(Hit::is_hit));
 }
@@ -194,8 +194,8 @@ fn memory_is_told_by_parts() {
     assert_eq!(only.structure[0].used_bytes, 64 * 64 * 64 / 8);
 }
 
-/// Depths out of order, links that lead nowhere, in circles or to another texel, other heads, data, sums, counts, axes and marks of voxels are
-/// noticed; and so is another scene.
+/// Depths out of order, links that lead nowhere, in circles or to another texel, other heads, data, sums, counts, axes and marks of voxels
+/// are noticed; and so is another scene.
 #[test]
 fn a_spoilt_structure_is_noticed() {
     let gpu = gpu();

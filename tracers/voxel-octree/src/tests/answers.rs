@@ -18,22 +18,26 @@ fn every_variant_gives_the_same_bits() {
     let mut by_place = Vec::new();
     for place in ["entry", "centre"] {
         let mut expected: Option<[(Vec<Hit>, Vec<Surface>); 2]> = None;
-        for (traversal, reads, rays_per_lane) in [
+        for (traversal, memory_access, rays_per_lane) in [
             ("restart", "buffer", "1"),
             ("stack", "buffer", "3"),
             ("restart", "texture", "7"),
             ("stack", "texture", "1"),
         ] {
-            let settings =
-                [("traversal", traversal), ("reads", reads), ("rays_per_lane", rays_per_lane), ("hit", place)];
+            let settings = [
+                ("traversal", traversal),
+                ("memory_access", memory_access),
+                ("rays_per_lane", rays_per_lane),
+                ("hit", place),
+            ];
             let structure = built(&gpu, &geometry, &settings);
             structure.validate_against(&geometry).unwrap();
             let found = [Query::Closest, Query::Any].map(|query| {
-                let (hits, surfaces, _) = answer(&structure, &rays, query, &settings, EndPoint::Surface, false);
-                assert_eq!(answer(&structure, &rays, query, &settings, EndPoint::Hit, false).0, hits, "{settings:?}");
-                for end in EndPoint::ALL {
+                let (hits, surfaces, _) = answer(&structure, &rays, query, &settings, TraceTo::Surface, false);
+                assert_eq!(answer(&structure, &rays, query, &settings, TraceTo::Hit, false).0, hits, "{settings:?}");
+                for end in TraceTo::ALL {
                     let counted = answer(&structure, &rays, query, &settings, end, true);
-                    assert!(counted.0 == hits && (end == EndPoint::Hit || counted.1 == surfaces), "{settings:?}");
+                    assert!(counted.0 == hits && (end == TraceTo::Hit || counted.1 == surfaces), "{settings:?}");
                 }
                 (hits, surfaces)
             });
@@ -52,8 +56,8 @@ fn every_variant_gives_the_same_bits() {
     assert!(entry != centre);
 }
 
-/// What is counted agrees with itself: from the root as many nodes are read as there are levels to the part of every step, off a stack fewer,
-/// in as many steps; no more is touched than there is; and no ray takes more rounds than lanes are dealt out by.
+/// What is counted agrees with itself: from the root as many nodes are read as there are levels to the part of every step, off a stack
+/// fewer, in as many steps; no more is touched than there is; and no ray takes more rounds than lanes are dealt out by.
 #[test]
 fn counters_count_what_is_done() {
     let gpu = gpu();
@@ -63,7 +67,7 @@ fn counters_count_what_is_done() {
         let structure = built(&gpu, &geometry, &[("levels", levels)]);
         let of = |traversal| {
             let settings = [("levels", levels), ("traversal", traversal)];
-            answer(&structure, &rays, Query::Closest, &settings, EndPoint::Hit, true).2
+            answer(&structure, &rays, Query::Closest, &settings, TraceTo::Hit, true).2
         };
         let (restart, stack) = (of("restart"), of("stack"));
         let count = |name| [total(&restart, name), total(&stack, name)];
@@ -105,7 +109,7 @@ fn the_longest_ways_are_walked_to_their_ends() {
         let hits = closest(&structure, &rays, &settings(traversal));
         assert!(hits.iter().all(|hit| hit.status == tracebench_api::Status::Miss as u32), "{traversal}");
     }
-    let counters = answer(&structure, &rays, Query::Closest, &settings("stack"), EndPoint::Hit, true).2;
-    let most = counters.iter().find(|counter| counter.name == "steps").unwrap().greatest_per_ray.unwrap();
+    let counters = answer(&structure, &rays, Query::Closest, &settings("stack"), TraceTo::Hit, true).2;
+    let most = counters.iter().find(|counter| counter.name == "steps").unwrap().max_per_ray.unwrap();
     assert!(most >= 100, "{most}");
 }

@@ -1,7 +1,7 @@
 //! Functions of the shaders alone, against f64 and the host's own.
 
 use super::*;
-use crate::reference::Place;
+use crate::reference::CellPosition;
 use crate::validate::unpacked_normal;
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_kit::{bind_group_at, compute_pipeline, dispatch_linear};
@@ -22,8 +22,8 @@ fn run(gpu: &Gpu, entry_point: &str, bindings: [u32; 2], given: &[[u32; 4]]) -> 
     bytemuck::pod_collect_to_vec(&gpu.read(&output, output.size()).unwrap())
 }
 
-/// Normals come back from their words to what 16 bits an axis tell apart, the axes' and their diagonals among them, as the host unpacks them;
-/// a word of a neighbour is noticed.
+/// Normals come back from their words to what 16 bits an axis tell apart, the axes' and their diagonals among them, as the host unpacks
+/// them; a word of a neighbour is noticed.
 #[test]
 fn normals_come_back_from_words() {
     let mut numbers = Numbers::new(5);
@@ -54,7 +54,7 @@ fn voxels_are_placed_along_the_curve() {
     let mut given: Vec<[u32; 4]> = (0..2000).map(|_| [at(), at(), at(), 0]).collect();
     given.extend([[0; 4], [1023, 1023, 1023, 0], [1, 0, 0, 0], [0, 512, 0, 0], [0, 0, 1023, 0]]);
     for ([x, y, z, _], [key, one, two, most]) in given.iter().zip(run(&gpu(), "place_voxels", [1, 3], &given)) {
-        assert_eq!(Place { depth: 10, key }.cell(), [*x, *y, *z]);
+        assert_eq!(CellPosition { depth: 10, key }.cell(), [*x, *y, *z]);
         assert_eq!([one, two, most], [key & 7, key >> 3 & 7, key >> 27]);
     }
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, Structure, Surface, TracerError,
+    Counter, Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, Structure, Surface, TraceTo, TracerError,
     Viewpoint,
 };
 use tracebench_kit::Built;
@@ -50,19 +50,19 @@ fn answer(
     rays: &[Ray],
     query: Query,
     settings: &[(&str, &str)],
-    end: EndPoint,
+    trace_to: TraceTo,
     counts: bool,
 ) -> (Vec<Hit>, Vec<Surface>, Vec<Counter>) {
     let (gpu, parameters) = (&structure.kernels.gpu, parameters(settings));
     if counts {
-        return counted(gpu, structure, rays, query, &parameters, end);
+        return counted(gpu, structure, rays, query, &parameters, trace_to);
     }
-    let (hits, surfaces) = answers(gpu, structure, rays, query, &parameters, end);
+    let (hits, surfaces) = answers(gpu, structure, rays, query, &parameters, trace_to);
     (hits, surfaces, Vec::new())
 }
 
 fn closest(structure: &Built<OctreeStructure>, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
-    answer(structure, rays, Query::Closest, settings, EndPoint::Hit, false).0
+    answer(structure, rays, Query::Closest, settings, TraceTo::Hit, false).0
 }
 
 /// Random triangles of many sizes, needles, triangles along the axes' planes, without area, and copies.

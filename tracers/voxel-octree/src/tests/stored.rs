@@ -65,7 +65,7 @@ fn builds_are_repeatable_and_grow() {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &large, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
         clock.finish().unwrap();
-        structure.make_room().unwrap()
+        structure.grow_on_overflow().unwrap()
     };
     assert!(rebuild(&mut structure), "there was room already");
     assert!(structure.validate_against(&large).is_err(), "a tree that lacks room passes");
@@ -76,12 +76,12 @@ fn builds_are_repeatable_and_grow() {
     let mut clock = PhaseClock::new(Some(&gpu));
     structure.update(Update::Rebuild, &small, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
     clock.finish().unwrap();
-    assert!(!structure.make_room().unwrap());
+    assert!(!structure.grow_on_overflow().unwrap());
     assert_eq!(bytes(&structure), bytes(&built(&gpu, &small, &[])));
 }
 
-/// Opposite normals cancel, and the lowest triangle's is left; of others the average, each triangle counted once; the material is the lowest
-/// triangle's.
+/// Opposite normals cancel, and the lowest triangle's is left; of others the average, each triangle counted once; the material is the
+/// lowest triangle's.
 #[test]
 fn leaves_average_normals() {
     let gpu = gpu();

@@ -1,7 +1,7 @@
 //! Hits against a march of the voxels that are stored, in f64.
 
 use super::*;
-use crate::reference::Place;
+use crate::reference::CellPosition;
 use tracebench_kit::{Built, to_scene, to_unit};
 
 /// Within which distance of a voxel's side f32 may take a ray for in or out, voxels.
@@ -17,7 +17,7 @@ impl<'a> March<'a> {
     fn of(structure: &'a Built<OctreeStructure>) -> Self {
         let levels = structure.layout.levels;
         let keys = structure.read().unwrap().keys().unwrap();
-        let voxel = |key: u32| DVec3::from(Place { depth: levels, key }.cell().map(f64::from));
+        let voxel = |key: u32| DVec3::from(CellPosition { depth: levels, key }.cell().map(f64::from));
         Self { structure, voxels: keys.into_iter().map(voxel).collect() }
     }
 
@@ -39,8 +39,8 @@ impl<'a> March<'a> {
         (begin <= end).then_some([begin, end])
     }
 
-    /// What is wrong with a hit. Voxels that are a little smaller than they are must be hit, those a little larger may be; those that hold the
-    /// start are left first: all that the ray goes through until it is in none.
+    /// What is wrong with a hit. Voxels that are a little smaller than they are must be hit, those a little larger may be; those that hold
+    /// the start are left first: all that the ray goes through until it is in none.
     fn wrong(&self, ray: &Ray, hit: &Hit) -> Option<String> {
         let (layout, edge) = (&self.structure.layout, f64::from(self.structure.layout.edge()));
         let origin = to_unit(&layout.space, Vec3::from(ray.origin).as_dvec3()) * edge;
@@ -80,8 +80,8 @@ impl<'a> March<'a> {
     }
 }
 
-/// Rays of every kind that is hard: along axes, along voxels' sides and edges and through their corners, from within voxels and from outside,
-/// bounded, and with zeros of either sign.
+/// Rays of every kind that is hard: along axes, along voxels' sides and edges and through their corners, from within voxels and from
+/// outside, bounded, and with zeros of either sign.
 fn rays(structure: &Built<OctreeStructure>) -> Vec<Ray> {
     let mut numbers = Numbers::new(4);
     let space = structure.layout.space;

@@ -5,7 +5,7 @@ use crate::papers::rows::{MILLION, SceneRows, agreement, beyond, false_misses, t
 use crate::results::Judgement;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("least_tight_agreement", "", least_tight_agreement),
+    of_scene("min_tight_agreement", "", min_tight_agreement),
     of_scene("standard_false_misses_beyond", IN_A_MILLION, standard_false_misses_beyond),
     of_scene("coarse_tiles_agreement_change", IN_A_MILLION, coarse_tiles_agreement_change),
     of_scene("early_stop_wrong_rays", IN_A_MILLION, early_stop_wrong_rays),
@@ -17,8 +17,8 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 const SECONDARY: [&str; 5] = ["specular", "glossy", "diffuse", "bounce2", "refraction"];
 
 /// The least agreement over DIRT's rows and closest-hit sets.
-fn least_tight_agreement(scene: &SceneRows<'_>) -> Option<f64> {
-    let traces = scene.of_tracer("dirt").flat_map(|run| &run.traces);
+fn min_tight_agreement(scene: &SceneRows<'_>) -> Option<f64> {
+    let traces = scene.of_tracer("dirt").flat_map(|row| &row.traces);
     least(traces.filter(|trace| matches!(trace.judgement, Judgement::Closest(_))).filter_map(agreement))
 }
 

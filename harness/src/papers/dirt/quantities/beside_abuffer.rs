@@ -8,7 +8,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, of_scenes, rank_correlation, timed_of_scene};
 use crate::papers::rows::{MILLION, SceneRows, beyond_of, counted, false_misses, footprint, statistic, trace};
 use crate::papers::vvp16::{ABUFFER, bytes_over_formula, row};
-use crate::results::{Classes, TraceRecord, TracerRun};
+use crate::results::{Classes, Row, TraceRecord};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("memory_below_abuffer", PERCENT, memory_below),
@@ -25,13 +25,13 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 ];
 
 /// DIRT as Table 2 has it, and the A-buffer.
-fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a Row; 2]> {
     Some([scene.find("dirt", &[("tile_size", "1"), ("coverage", "standard")])?, row(scene, &[])?])
 }
 
 /// What DIRT with the paper's own buffers takes below what the A-buffer takes, percent.
 fn memory_below(scene: &SceneRows<'_>) -> Option<f64> {
-    let [dirt, abuffer] = pair(scene)?.map(|run| PAPER.bytes(run, Scope::OfPaper));
+    let [dirt, abuffer] = pair(scene)?.map(|row| PAPER.bytes(row, Scope::OfPaper));
     Some(100.0 * (1.0 - dirt? / abuffer?))
 }
 
@@ -89,22 +89,21 @@ fn false_misses_beyond_dirt(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// Rays in a million of a class of mirror rays under a rule.
-fn share(run: &TracerRun, of: impl Fn(&Classes) -> u64) -> Option<f64> {
-    let [rays, found] = counted(trace(run, "specular")?, |closest| Some(of(&closest.classes.footprint)))?;
+fn share(row: &Row, of: impl Fn(&Classes) -> u64) -> Option<f64> {
+    let [rays, found] = counted(trace(row, "specular")?, |closest| Some(of(&closest.classes.footprint)))?;
     (rays > 0).then(|| found as f64 / rays as f64 * MILLION)
 }
 
-fn thickness(run: &TracerRun) -> Option<f64> {
-    run.tracer.parameters.get("thickness")?.as_f64()
+fn thickness(row: &Row) -> Option<f64> {
+    row.tracer.parameters.get("thickness")?.as_f64()
 }
 
 /// The rows of the A-buffer by rising thickness; none unless the first has none and another has some.
-fn by_thickness<'a>(scene: &SceneRows<'a>) -> Option<Vec<&'a TracerRun>> {
-    let mut rows: Vec<(f64, &TracerRun)> =
-        scene.of_tracer(ABUFFER).filter_map(|run| Some((thickness(run)?, run))).collect();
+fn by_thickness<'a>(scene: &SceneRows<'a>) -> Option<Vec<&'a Row>> {
+    let mut rows: Vec<(f64, &Row)> = scene.of_tracer(ABUFFER).filter_map(|row| Some((thickness(row)?, row))).collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let usable = rows.first()?.0 == 0.0 && rows.last()?.0 > 0.0;
-    usable.then(|| rows.into_iter().map(|(_, run)| run).collect())
+    usable.then(|| rows.into_iter().map(|(_, row)| row).collect())
 }
 
 /// From no thickness to the most: mirror rays in a million missed less, and those answered where nothing is or too near more; the
@@ -112,8 +111,8 @@ fn by_thickness<'a>(scene: &SceneRows<'a>) -> Option<Vec<&'a TracerRun>> {
 fn thickness_closes_and_invents(scene: &SceneRows<'_>) -> Option<f64> {
     let rows = by_thickness(scene)?;
     let (thin, thick) = (rows.first()?, rows.last()?);
-    let missed = |run: &TracerRun| share(run, |classes| classes.false_miss);
-    let invented = |run: &TracerRun| share(run, |classes| classes.false_hit + classes.early);
+    let missed = |row: &Row| share(row, |classes| classes.false_miss);
+    let invented = |row: &Row| share(row, |classes| classes.false_hit + classes.early);
     Some((missed(thin)? - missed(thick)?).min(invented(thick)? - invented(thin)?))
 }
 
@@ -121,9 +120,9 @@ fn thickness_closes_and_invents(scene: &SceneRows<'_>) -> Option<f64> {
 /// same; the less of the two.
 fn froxels_gain_and_leave(scene: &SceneRows<'_>) -> Option<f64> {
     let rows = by_thickness(scene)?;
-    let right = |run: &&TracerRun| trace(run, "specular").and_then(footprint).unwrap_or(0.0);
+    let right = |row: &&Row| trace(row, "specular").and_then(footprint).unwrap_or(0.0);
     let best = rows.iter().copied().max_by(|a, b| right(a).total_cmp(&right(b)))?;
-    let missed = |run: &TracerRun| share(run, |classes| classes.false_miss);
+    let missed = |row: &Row| share(row, |classes| classes.false_miss);
     let wrong = share(best, Classes::wrong)?;
     Some((missed(rows.first()?)? - missed(best)?).min(wrong))
 }

@@ -6,7 +6,7 @@ use crate::papers::Scope;
 use crate::papers::dirt::PAPER;
 use crate::papers::quantity::{PERCENT, Quantity, greatest, least, mean, of_scene, of_scenes};
 use crate::papers::rows::{SceneRows, has, integer, per_ray, statistic, trace};
-use crate::results::{TraceRecord, TracerRun};
+use crate::results::{Row, TraceRecord};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("samples_saved_1_to_2", PERCENT, |scene| saved(scene, ["1", "2"], parts)),
@@ -22,7 +22,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scenes("memory_exponent_over_references", "", exponent_over_references),
     of_scenes("bytes_a_reference", "bytes", bytes_a_reference),
     of_scene("mipmap_factor", "", mipmap_factor),
-    of_scene("greatest_references_ratio_of_tiles", "", greatest_references_ratio_of_tiles),
+    of_scene("max_references_ratio_of_tiles", "", max_references_ratio_of_tiles),
     of_scene("copies_at_most_buckets_over_8", "", copies_at_most_buckets_over_8),
     of_scene("pyramid_steps_4_over_1", "", pyramid_steps_4_over_1),
     of_scene("equation_1b_beyond_last_bucket", "buckets", equation_1b_beyond_last_bucket),
@@ -39,37 +39,37 @@ const BOUNDS_BYTES: f64 = 8.0;
 const FEW_BUCKETS: u64 = 8;
 
 /// References stored, copies in several buckets counted.
-pub(super) fn references(run: &TracerRun) -> Option<f64> {
-    statistic(run, "references")
+pub(super) fn references(row: &Row) -> Option<f64> {
+    statistic(row, "references")
 }
 
 /// Clipped primitives, each once a tile: n_p of Table 3.
-fn parts(run: &TracerRun) -> Option<f64> {
-    statistic(run, "parts")
+fn parts(row: &Row) -> Option<f64> {
+    statistic(row, "parts")
 }
 
 /// Bytes as the paper counts them: the structure and its own buffers.
-fn bytes(run: &TracerRun) -> Option<f64> {
-    PAPER.bytes(run, Scope::OfPaper)
+fn bytes(row: &Row) -> Option<f64> {
+    PAPER.bytes(row, Scope::OfPaper)
 }
 
 /// DIRT with a tile size, by rising B.
-pub(super) fn over_buckets<'a>(scene: &SceneRows<'a>, tile_size: &str) -> Vec<(u64, &'a TracerRun)> {
-    let runs = scene.of_tracer("dirt").filter(|run| has(run, "tile_size", tile_size));
-    let mut found: Vec<_> = runs.filter_map(|run| Some((integer(run, "buckets")?, run))).collect();
+pub(super) fn over_buckets<'a>(scene: &SceneRows<'a>, tile_size: &str) -> Vec<(u64, &'a Row)> {
+    let rows = scene.of_tracer("dirt").filter(|row| has(row, "tile_size", tile_size));
+    let mut found: Vec<_> = rows.filter_map(|row| Some((integer(row, "buckets")?, row))).collect();
     found.sort_by_key(|(buckets, _)| *buckets);
     found
 }
 
 /// DIRT with two tile sizes and the same B, by rising B.
-pub(super) fn pairs<'a>(scene: &SceneRows<'a>, tile_sizes: [&str; 2]) -> Vec<(u64, [&'a TracerRun; 2])> {
+pub(super) fn pairs<'a>(scene: &SceneRows<'a>, tile_sizes: [&str; 2]) -> Vec<(u64, [&'a Row; 2])> {
     let [from, to] = tile_sizes.map(|tile_size| over_buckets(scene, tile_size));
-    let partner = |buckets: u64| to.iter().find(|(other, _)| *other == buckets).map(|(_, run)| *run);
-    from.into_iter().filter_map(|(buckets, run)| Some((buckets, [run, partner(buckets)?]))).collect()
+    let partner = |buckets: u64| to.iter().find(|(other, _)| *other == buckets).map(|(_, row)| *row);
+    from.into_iter().filter_map(|(buckets, row)| Some((buckets, [row, partner(buckets)?]))).collect()
 }
 
 /// What a larger tile saves at B > 8, percent, mean over B.
-fn saved(scene: &SceneRows<'_>, tile_sizes: [&str; 2], of: fn(&TracerRun) -> Option<f64>) -> Option<f64> {
+fn saved(scene: &SceneRows<'_>, tile_sizes: [&str; 2], of: fn(&Row) -> Option<f64>) -> Option<f64> {
     let pairs = pairs(scene, tile_sizes);
     let saved = pairs.into_iter().filter(|(buckets, _)| *buckets > FEW_BUCKETS);
     let saved: Option<Vec<f64>> = saved.map(|(_, [from, to])| Some(100.0 * (1.0 - of(to)? / of(from)?))).collect();
@@ -78,8 +78,8 @@ fn saved(scene: &SceneRows<'_>, tile_sizes: [&str; 2], of: fn(&TracerRun) -> Opt
 
 /// How much memory a step of eight buckets adds, percent, mean over the steps from B = 8.
 fn growth_per_8_buckets(scene: &SceneRows<'_>, tile_size: &str) -> Option<f64> {
-    let runs = over_buckets(scene, tile_size);
-    let steps = runs.windows(2).filter(|pair| pair[0].0 >= FEW_BUCKETS && pair[1].0 == pair[0].0 + 8);
+    let rows = over_buckets(scene, tile_size);
+    let steps = rows.windows(2).filter(|pair| pair[0].0 >= FEW_BUCKETS && pair[1].0 == pair[0].0 + 8);
     let growth: Option<Vec<f64>> =
         steps.map(|pair| Some(100.0 * (bytes(pair[1].1)? / bytes(pair[0].1)? - 1.0))).collect();
     mean(&growth?)
@@ -97,14 +97,14 @@ fn saving_spread(scenes: &[SceneRows<'_>]) -> Option<f64> {
 /// references and bytes of each.
 fn extremes(scenes: &[SceneRows<'_>]) -> Option<[[f64; 2]; 2]> {
     let first = scenes.first()?.by_resolution().pop()?.of_tracer("dirt").next()?;
-    let alike = |run: &&TracerRun| {
-        run.tracer.parameters == first.tracer.parameters
-            && run.viewpoint.ray_image == first.viewpoint.ray_image
-            && (run.viewpoint.frame, run.viewpoint.face) == (first.viewpoint.frame, first.viewpoint.face)
+    let alike = |row: &&Row| {
+        row.tracer.parameters == first.tracer.parameters
+            && row.viewpoint.ray_image == first.viewpoint.ray_image
+            && (row.viewpoint.frame, row.viewpoint.face) == (first.viewpoint.frame, first.viewpoint.face)
     };
     let of_scene = |scene: &SceneRows<'_>| {
-        let run = scene.of_tracer("dirt").find(alike)?;
-        Some([references(run)?, bytes(run)?])
+        let row = scene.of_tracer("dirt").find(alike)?;
+        Some([references(row)?, bytes(row)?])
     };
     let found: Vec<[f64; 2]> = scenes.iter().filter_map(of_scene).collect();
     let fewest = found.iter().copied().reduce(|a, b| if b[0] < a[0] { b } else { a })?;
@@ -125,19 +125,19 @@ fn bytes_a_reference(scenes: &[SceneRows<'_>]) -> Option<f64> {
 }
 
 /// Tiles of all views, from the viewpoint alone.
-pub(in crate::papers::dirt) fn tiles(run: &TracerRun) -> Option<f64> {
-    let tile_size = u32::try_from(integer(run, "tile_size")?).ok()?;
+pub(in crate::papers::dirt) fn tiles(row: &Row) -> Option<f64> {
+    let tile_size = u32::try_from(integer(row, "tile_size")?).ok()?;
     let [views, edges] =
-        if has(run, "views", "frame") { [[1, 1], run.viewpoint.frame] } else { [[6, 1], [run.viewpoint.face; 2]] };
+        if has(row, "views", "frame") { [[1, 1], row.viewpoint.frame] } else { [[6, 1], [row.viewpoint.face; 2]] };
     let of_view: f64 = edges.iter().map(|edge| f64::from(edge.div_ceil(tile_size))).product();
     Some(f64::from(views[0]) * of_view)
 }
 
 /// Bytes of the depth bounds with mipmaps over those of the lowest level alone: the ratio that lies farthest from 1.
 fn mipmap_factor(scene: &SceneRows<'_>) -> Option<f64> {
-    let factor = |run: &TracerRun| {
-        let bounds = run.memory.structure.iter().find(|part| part.name == DEPTH_BOUNDS)?;
-        Some(bounds.used_bytes as f64 / (BOUNDS_BYTES * tiles(run)?))
+    let factor = |row: &Row| {
+        let bounds = row.memory.structure.iter().find(|part| part.name == DEPTH_BOUNDS)?;
+        Some(bounds.used_bytes as f64 / (BOUNDS_BYTES * tiles(row)?))
     };
     greatest(scene.of_tracer("dirt").filter_map(factor))
 }
@@ -146,7 +146,7 @@ fn mipmap_factor(scene: &SceneRows<'_>) -> Option<f64> {
 const TILE_SIZES: [&str; 4] = ["1", "2", "4", "8"];
 
 /// The greatest ratio of references of a tile size to those of half of it.
-fn greatest_references_ratio_of_tiles(scene: &SceneRows<'_>) -> Option<f64> {
+fn max_references_ratio_of_tiles(scene: &SceneRows<'_>) -> Option<f64> {
     let steps = TILE_SIZES.windows(2).flat_map(|step| pairs(scene, [step[0], step[1]]));
     let ratios: Option<Vec<f64>> = steps.map(|(_, [from, to])| Some(references(to)? / references(from)?)).collect();
     greatest(ratios?)
@@ -154,17 +154,17 @@ fn greatest_references_ratio_of_tiles(scene: &SceneRows<'_>) -> Option<f64> {
 
 /// References a part of a triangle in a tile, at the most buckets of the table over B = 8, tiles of one pixel.
 fn copies_at_most_buckets_over_8(scene: &SceneRows<'_>) -> Option<f64> {
-    let copies = |run: &TracerRun| Some(references(run)? / statistic(run, "parts")?);
-    let runs = over_buckets(scene, "1");
-    let (few, (buckets, many)) = (runs.iter().find(|(buckets, _)| *buckets == FEW_BUCKETS)?, runs.last()?);
+    let copies = |row: &Row| Some(references(row)? / statistic(row, "parts")?);
+    let rows = over_buckets(scene, "1");
+    let (few, (buckets, many)) = (rows.iter().find(|(buckets, _)| *buckets == FEW_BUCKETS)?, rows.last()?);
     (*buckets > FEW_BUCKETS).then(|| Some(copies(many)? / copies(few.1)?))?
 }
 
 /// Pyramid steps a diffuse ray, tiles of 4x4 over tiles of one pixel, at B = 24.
 fn pyramid_steps_4_over_1(scene: &SceneRows<'_>) -> Option<f64> {
     let steps = |tile_size: &str| {
-        let run = scene.find("dirt", &[("tile_size", tile_size), ("buckets", "24")])?;
-        per_ray(trace(run, "diffuse")?, "pyramid_steps")
+        let row = scene.find("dirt", &[("tile_size", tile_size), ("buckets", "24")])?;
+        per_ray(trace(row, "diffuse")?, "pyramid_steps")
     };
     Some(steps("4")? / steps("1")?)
 }
@@ -175,15 +175,15 @@ fn equation_1b_beyond_last_bucket(scene: &SceneRows<'_>) -> Option<f64> {
     // Any range: at its far end the fraction is exactly 1.
     let (near, far) = (1.0_f64, 3.0_f64);
     let index = |buckets: f64| (buckets * (far - near) / (far - near)).floor();
-    let all = scene.of_tracer("dirt").filter_map(|run| integer(run, "buckets"));
+    let all = scene.of_tracer("dirt").filter_map(|row| integer(row, "buckets"));
     greatest(all.map(|buckets| index(buckets as f64) - (buckets as f64 - 1.0)))
 }
 
-/// The share of structures that were read back and held against brute force. What is unsound is taken out of a run with the
+/// The share of structures that were read back and compared with brute force. What is unsound is taken out of a run with the
 /// reason, as is what cannot be built: both count here as not validated.
 fn validated_share(scene: &SceneRows<'_>) -> Option<f64> {
-    let all: Vec<&TracerRun> = scene.of_tracer("dirt").collect();
-    let validated = all.iter().filter(|run| !run.structure_statistics.is_empty()).count();
+    let all: Vec<&Row> = scene.of_tracer("dirt").collect();
+    let validated = all.iter().filter(|row| !row.structure_statistics.is_empty()).count();
     let skipped = scene.skipped.iter().filter(|skipped| skipped.tracer.as_deref() == Some("dirt")).count();
     (!all.is_empty()).then(|| validated as f64 / (all.len() + skipped) as f64)
 }
@@ -194,16 +194,16 @@ fn surfaces_fetched_over_hits(scene: &SceneRows<'_>) -> Option<f64> {
         let hits = trace.statuses.get(Status::Hit.name()).copied().filter(|hits| *hits > 0)? as f64;
         Some((hits - trace.counters.get("fetches_lost")?.total as f64) / hits)
     };
-    greatest(scene.of_tracer("dirt").flat_map(|run| &run.traces).filter_map(fetched))
+    greatest(scene.of_tracer("dirt").flat_map(|row| &row.traces).filter_map(fetched))
 }
 
 /// Bytes of a trace's own buffers in the scene where they are most over those in the scene where they are least, of resolutions and
 /// numbers of rays that all scenes have that which differs most.
 fn trace_bytes_over_scenes(scenes: &[SceneRows<'_>]) -> Option<f64> {
     let of_scene = |scene: &SceneRows<'_>| -> Vec<([u32; 2], u64, f64)> {
-        let bytes = |run: &TracerRun| Some(PAPER.bytes(run, Scope::WithTrace)? - PAPER.bytes(run, Scope::Structure)?);
+        let bytes = |row: &Row| Some(PAPER.bytes(row, Scope::WithTrace)? - PAPER.bytes(row, Scope::Structure)?);
         let rows = scene.of_tracer("dirt");
-        rows.filter_map(|run| Some((run.viewpoint.frame, run.traces.first()?.count, bytes(run)?))).collect()
+        rows.filter_map(|row| Some((row.viewpoint.frame, row.traces.first()?.count, bytes(row)?))).collect()
     };
     let all: Vec<_> = scenes.iter().map(of_scene).collect();
     let alike = |(frame, rays, _): &([u32; 2], u64, f64)| {

@@ -9,24 +9,24 @@ use crate::papers::quantity::{PERCENT, Quantity, timed_of_scene};
 use crate::papers::rows::{SceneRows, agreement, statistic, trace};
 use crate::papers::times::{ratio, traced};
 use crate::results::host_ms;
-use crate::results::{Timed, TracerRun};
+use crate::results::{Row, Timed};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    timed_of_scene("greatest_step_to_less_coherent", "", greatest_step_to_less_coherent),
+    timed_of_scene("max_step_to_less_coherent", "", max_step_to_less_coherent),
     timed_of_scene("visibility_over_fastest_other", "", visibility_over_fastest_other),
     timed_of_scene("conservative_over_standard_trace", "", conservative_over_standard_trace),
     timed_of_scene("build_growth_per_8_buckets", PERCENT, build_growth_per_8_buckets),
-    timed_of_scene("greatest_trace_ratio_of_8_buckets", "", greatest_trace_ratio_of_8_buckets),
+    timed_of_scene("max_trace_ratio_of_8_buckets", "", max_trace_ratio_of_8_buckets),
     timed_of_scene("coarse_tile_trace_ratio_where_low", "", coarse_tile_trace_ratio_where_low),
     timed_of_scene("coarse_tile_gain_over_resolution_where_fine", "", coarse_tile_gain_over_resolution_where_fine),
     timed_of_scene("trace_at_8_over_24_to_40", "", trace_at_8_over_24_to_40),
     timed_of_scene("good_setting_over_best", "", good_setting_over_best),
     timed_of_scene("second_event_over_first_closed", "", |scene| second_event_over_first(scene, true)),
     timed_of_scene("second_event_over_first_open", "", |scene| second_event_over_first(scene, false)),
-    timed_of_scene("least_bvh_build_over_dirt", "", least_bvh_build_over_dirt),
+    timed_of_scene("min_bvh_build_over_dirt", "", min_bvh_build_over_dirt),
     timed_of_scene("diffuse_slope_over_bvh", "", diffuse_slope_over_bvh),
     timed_of_scene("total_gain_last_over_first", "", total_gain_last_over_first),
-    timed_of_scene("least_diffuse_time_over_bvh", "", least_diffuse_time_over_bvh),
+    timed_of_scene("min_diffuse_time_over_bvh", "", min_diffuse_time_over_bvh),
     timed_of_scene("one_view_time_over_six", "", one_view_time_over_six),
     timed_of_scene("shadow_map_time_over_visibility", "", shadow_map_time_over_visibility),
     timed_of_scene("direct_visibility_over_diffuse", "", direct_visibility_over_diffuse),
@@ -43,17 +43,17 @@ const MEDIUM_TESSELLATION: f64 = 4.0;
 const CLOSED: f64 = 0.01;
 
 /// Rays a second of one set over those of another, in one row.
-fn throughput_ratio(scene: &SceneRows<'_>, run: &TracerRun, one: &str, other: &str) -> Option<Estimate> {
-    let rays = |set: &str| Some(trace(run, set)?.count as f64);
-    Some(scene.set_ratio(run, other, one)? * (rays(one)? / rays(other)?))
+fn throughput_ratio(scene: &SceneRows<'_>, row: &Row, one: &str, other: &str) -> Option<Estimate> {
+    let rays = |set: &str| Some(trace(row, set)?.count as f64);
+    Some(scene.set_ratio(row, other, one)? * (rays(one)? / rays(other)?))
 }
 
 /// The greatest ratio of throughput to that of the next more coherent kind, of specular, glossy, diffuse, over DIRT's rows.
-fn greatest_step_to_less_coherent(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn max_step_to_less_coherent(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut steps = Vec::new();
-    for run in scene.of_tracer("dirt") {
-        steps.push(throughput_ratio(scene, run, "glossy", "specular")?);
-        steps.push(throughput_ratio(scene, run, "diffuse", "glossy")?);
+    for row in scene.of_tracer("dirt") {
+        steps.push(throughput_ratio(scene, row, "glossy", "specular")?);
+        steps.push(throughput_ratio(scene, row, "diffuse", "glossy")?);
     }
     Estimate::greatest(steps)
 }
@@ -61,9 +61,9 @@ fn greatest_step_to_less_coherent(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Throughput of visibility rays over that of the fastest other kind, the least over DIRT's rows.
 fn visibility_over_fastest_other(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut ratios = Vec::new();
-    for run in scene.of_tracer("dirt") {
+    for row in scene.of_tracer("dirt") {
         for other in ["specular", "glossy", "diffuse"] {
-            ratios.push(throughput_ratio(scene, run, "visibility", other)?);
+            ratios.push(throughput_ratio(scene, row, "visibility", other)?);
         }
     }
     Estimate::least(ratios)
@@ -89,12 +89,12 @@ fn build_growth_per_8_buckets(scene: &SceneRows<'_>) -> Option<Estimate> {
 }
 
 /// Neighbours that are eight buckets apart.
-fn steps_of_8<'a>(runs: &[(u64, &'a TracerRun)]) -> Vec<[&'a TracerRun; 2]> {
-    runs.windows(2).filter(|pair| pair[1].0 == pair[0].0 + 8).map(|pair| [pair[0].1, pair[1].1]).collect()
+fn steps_of_8<'a>(rows: &[(u64, &'a Row)]) -> Vec<[&'a Row; 2]> {
+    rows.windows(2).filter(|pair| pair[1].0 == pair[0].0 + 8).map(|pair| [pair[0].1, pair[1].1]).collect()
 }
 
 /// The greatest ratio of the time of diffuse rays to that with eight buckets fewer, over tile sizes.
-fn greatest_trace_ratio_of_8_buckets(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn max_trace_ratio_of_8_buckets(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut ratios = Vec::new();
     for tile_size in ["1", "2", "4"] {
         for [fewer, more] in steps_of_8(&over_buckets(scene, tile_size)) {
@@ -113,14 +113,14 @@ fn coarse_tile_trace_ratio_where_low(scene: &SceneRows<'_>) -> Option<Estimate> 
 }
 
 /// Triangles in an occupied tile, on the mean.
-fn triangles_a_tile(run: &TracerRun) -> Option<f64> {
-    Some(statistic(run, "parts")? / statistic(run, "occupied_tiles")?)
+fn triangles_a_tile(row: &Row) -> Option<f64> {
+    Some(statistic(row, "parts")? / statistic(row, "occupied_tiles")?)
 }
 
 /// By how many times tiles of 4x4 are as fast as tiles of one pixel, at the highest resolution over the lowest; of scenes alone
 /// whose tiles of one pixel hold many triangles at the highest.
 fn coarse_tile_gain_over_resolution_where_fine(scene: &SceneRows<'_>) -> Option<Estimate> {
-    fn at<'a>(scene: &SceneRows<'a>) -> Option<(&'a TracerRun, Estimate)> {
+    fn at<'a>(scene: &SceneRows<'a>) -> Option<(&'a Row, Estimate)> {
         let row = |tile_size| {
             let published = [("tile_size", tile_size), ("coverage", "conservative"), ("searched", "until_hit")];
             scene.find("dirt", &published)
@@ -136,46 +136,46 @@ fn coarse_tile_gain_over_resolution_where_fine(scene: &SceneRows<'_>) -> Option<
 
 /// Time of diffuse rays at B = 8 over the mean of B = 24 to 40, tiles of 2x2.
 fn trace_at_8_over_24_to_40(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let runs = over_buckets(scene, "2");
-    let few = runs.iter().find(|(buckets, _)| *buckets == 8)?.1;
-    let many = runs.iter().filter(|(buckets, _)| (24..=40).contains(buckets));
-    let shares: Option<Vec<Estimate>> = many.map(|(_, run)| scene.trace_ratio(run, few, "diffuse")).collect();
+    let rows = over_buckets(scene, "2");
+    let few = rows.iter().find(|(buckets, _)| *buckets == 8)?.1;
+    let many = rows.iter().filter(|(buckets, _)| (24..=40).contains(buckets));
+    let shares: Option<Vec<Estimate>> = many.map(|(_, row)| scene.trace_ratio(row, few, "diffuse")).collect();
     Some(Estimate::from(1.0) / Estimate::mean(shares?)?)
 }
 
 /// Build and a trace of diffuse rays of the best setting with tiles of 2x2 and B of 20 to 40, over that of the best setting of
 /// all that use no more bytes.
 fn good_setting_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
-    const MIX: Mix = &[("diffuse", 1.0)];
+    const MIX: RayMix = &[("diffuse", 1.0)];
     let good = over_buckets(scene, "2").into_iter().filter(|(buckets, _)| (20..=40).contains(buckets));
-    let good: Vec<(f64, &TracerRun)> = good.filter_map(|(_, run)| Some((total_ms(run, MIX)?, run))).collect();
-    let (_, run) = good.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a })?;
-    let bytes = |run: &TracerRun| PAPER.bytes(run, Scope::OfPaper);
-    let rivals = scene.of_tracer("dirt").filter(|other| bytes(other) <= bytes(run));
-    Estimate::greatest(rivals.filter_map(|rival| scene.total_ratio(run, rival, MIX)))
+    let good: Vec<(f64, &Row)> = good.filter_map(|(_, row)| Some((total_ms(row, MIX)?, row))).collect();
+    let (_, row) = good.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a })?;
+    let bytes = |row: &Row| PAPER.bytes(row, Scope::OfPaper);
+    let rivals = scene.of_tracer("dirt").filter(|other| bytes(other) <= bytes(row));
+    Estimate::greatest(rivals.filter_map(|rival| scene.total_ratio(row, rival, MIX)))
 }
 
 /// Time of the second event over the first, where the scene is closed or open: whether nearly all diffuse rays hit.
 fn second_event_over_first(scene: &SceneRows<'_>, closed: bool) -> Option<Estimate> {
-    let run = scene.find("dirt", &as_published(&[("tile_size", "2")]))?;
-    let (first, second) = (trace(run, "diffuse")?, trace(run, "bounce2")?);
+    let row = scene.find("dirt", &as_published(&[("tile_size", "2")]))?;
+    let (first, second) = (trace(row, "diffuse")?, trace(row, "bounce2")?);
     let stay = second.count as f64 / first.count as f64;
-    ((stay >= 1.0 - CLOSED) == closed).then(|| scene.set_ratio(run, "bounce2", "diffuse"))?
+    ((stay >= 1.0 - CLOSED) == closed).then(|| scene.set_ratio(row, "bounce2", "diffuse"))?
 }
 
 /// DIRT and the hierarchy at every resolution, from the lowest.
-fn beside_bvh<'a>(scene: &SceneRows<'a>) -> Vec<[&'a TracerRun; 2]> {
+fn beside_bvh<'a>(scene: &SceneRows<'a>) -> Vec<[&'a Row; 2]> {
     let at = |scene: SceneRows<'a>| Some([scene.find("dirt", &[])?, scene.find(BVH, &[])?]);
     scene.by_resolution().into_iter().filter_map(at).collect()
 }
 
 /// Build of the hierarchy over that of DIRT, the least over the resolutions.
-fn least_bvh_build_over_dirt(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn min_bvh_build_over_dirt(scene: &SceneRows<'_>) -> Option<Estimate> {
     Estimate::least(beside_bvh(scene).into_iter().filter_map(|[dirt, bvh]| scene.build_ratio(bvh, dirt)))
 }
 
 /// Time of diffuse rays over the hierarchy's, the least over the resolutions.
-fn least_diffuse_time_over_bvh(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn min_diffuse_time_over_bvh(scene: &SceneRows<'_>) -> Option<Estimate> {
     Estimate::least(beside_bvh(scene).into_iter().filter_map(|[dirt, bvh]| scene.trace_ratio(dirt, bvh, "diffuse")))
 }
 
@@ -184,36 +184,36 @@ fn diffuse_slope_over_bvh(scene: &SceneRows<'_>) -> Option<Estimate> {
     let all = beside_bvh(scene);
     let (first, last) = (all.first()?, all.last()?);
     // The rays that are added are the same for both. All in parts of the hierarchy's highest.
-    let rays = |pair: &[&TracerRun; 2]| Some(trace(pair[0], "diffuse")?.count);
-    let part = |row: &TracerRun| ratio(scene.run, &traced(row, "diffuse")?, &traced(last[1], "diffuse")?);
+    let rays = |pair: &[&Row; 2]| Some(trace(pair[0], "diffuse")?.count);
+    let part = |row: &Row| ratio(scene.record, &traced(row, "diffuse")?, &traced(last[1], "diffuse")?);
     let slope = (part(last[0])? - part(first[0])?) / (Estimate::from(1.0) - part(first[1])?);
     (rays(last)? > rays(first)?).then_some(slope)
 }
 
 /// Ray sets of a mix, with how often each is traced.
-pub(crate) type Mix = &'static [(&'static str, f64)];
+pub(crate) type RayMix = &'static [(&'static str, f64)];
 
 /// One primary, one secondary, two shadow rays.
-const FULL_MIX: Mix = &[("primary", 1.0), ("diffuse", 1.0), ("visibility", 2.0)];
+const FULL_MIX: RayMix = &[("primary", 1.0), ("diffuse", 1.0), ("visibility", 2.0)];
 
 /// The mixes of DIRT's Figure 8 by name, from left to right.
-pub(crate) const MIXES: [(&str, Mix); 3] = [
+pub(crate) const MIXES: [(&str, RayMix); 3] = [
     ("primary, shadow", &[("primary", 1.0), ("visibility", 1.0)]),
     ("primary, secondary", &[("primary", 1.0), ("diffuse", 1.0)]),
     ("primary, secondary, 2 shadow", FULL_MIX),
 ];
 
 /// Build and traces of a mix, ms by the host's clock; none where one of them could not be judged.
-pub(in crate::papers::dirt) fn total_ms(run: &TracerRun, mix: &[(&str, f64)]) -> Option<f64> {
-    let judged = |rays: &str| trace(run, rays).filter(|trace| agreement(trace).is_some());
+pub(in crate::papers::dirt) fn total_ms(row: &Row, mix: &[(&str, f64)]) -> Option<f64> {
+    let judged = |rays: &str| trace(row, rays).filter(|trace| agreement(trace).is_some());
     let times = mix.iter().map(|(rays, often)| Some(often * host_ms(&judged(rays)?.times)?));
-    Some(host_ms(run.build.steady())? + times.sum::<Option<f64>>()?)
+    Some(host_ms(row.build.steady())? + times.sum::<Option<f64>>()?)
 }
 
 /// What the hierarchy takes for build and traces over what DIRT takes, at the highest resolution over the lowest.
 fn total_gain_last_over_first(scene: &SceneRows<'_>) -> Option<Estimate> {
     let all = beside_bvh(scene);
-    let gain = |pair: &[&TracerRun; 2]| scene.total_ratio(pair[1], pair[0], FULL_MIX);
+    let gain = |pair: &[&Row; 2]| scene.total_ratio(pair[1], pair[0], FULL_MIX);
     let several = all.len() > 1;
     several.then(|| Some(gain(all.last()?)? / gain(all.first()?)?))?
 }
@@ -234,15 +234,15 @@ fn shadow_map_time_over_visibility(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Time of the build's phase direct visibility over that of diffuse rays.
 fn direct_visibility_over_diffuse(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let run = scene.find("dirt", &as_published(&[("tile_size", "2"), ("direct_visibility", "on")]))?;
-    ratio(scene.run, &Timed::build_phase(run, "direct visibility"), &traced(run, "diffuse")?)
+    let row = scene.find("dirt", &as_published(&[("tile_size", "2"), ("direct_visibility", "on")]))?;
+    ratio(scene.record, &Timed::build_phase(row, "direct visibility"), &traced(row, "diffuse")?)
 }
 
 /// Time of diffuse rays' phase fetch over that of the first row, of all rows that which lies farthest from 1.
 fn fetch_over_first_row(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let fetch = |run| Some(traced(run, "diffuse")?.phase("fetch"));
+    let fetch = |row| Some(traced(row, "diffuse")?.phase("fetch"));
     let first = fetch(scene.of_tracer("dirt").next()?)?;
-    let all = scene.of_tracer("dirt").skip(1).map(|run| ratio(scene.run, &fetch(run)?, &first));
+    let all = scene.of_tracer("dirt").skip(1).map(|row| ratio(scene.record, &fetch(row)?, &first));
     let all = all.collect::<Option<Vec<Estimate>>>()?;
     let [least, greatest] = [Estimate::least(all.clone())?, Estimate::greatest(all)?];
     Some(if least.value * greatest.value < 1.0 { least } else { greatest })
@@ -251,10 +251,10 @@ fn fetch_over_first_row(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Time of the phases mask and fetch of mirror rays over those of diffuse rays, where these are at least twice as many; conservative
 /// coverage, tiles of one pixel.
 fn fetch_of_few_over_many(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let run = scene.find("dirt", &as_published(&[("tile_size", "1")]))?;
-    let fetched = |rays: &str| Some(traced(run, rays)?.phase("mask").and(traced(run, rays)?.phase("fetch")));
-    let few = trace(run, "specular")?.count * 2 <= trace(run, "diffuse")?.count;
-    few.then(|| ratio(scene.run, &fetched("specular")?, &fetched("diffuse")?))?
+    let row = scene.find("dirt", &as_published(&[("tile_size", "1")]))?;
+    let fetched = |rays: &str| Some(traced(row, rays)?.phase("mask").and(traced(row, rays)?.phase("fetch")));
+    let few = trace(row, "specular")?.count * 2 <= trace(row, "diffuse")?.count;
+    few.then(|| ratio(scene.record, &fetched("specular")?, &fetched("diffuse")?))?
 }
 
 /// Time of diffuse rays from tile to tile over that by the pyramid, tiles of 2x2.

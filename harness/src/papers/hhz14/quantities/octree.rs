@@ -4,7 +4,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, OCTREE};
 use crate::papers::quantity::{Quantity, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, footprint, trace};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("octree_build_over_abuffer", "", build),
@@ -17,7 +17,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 pub(in crate::papers::hhz14) const FRAME: [&str; 3] = ["specular", "refraction", "visibility"];
 
 /// The first row of either.
-pub(in crate::papers::hhz14) fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+pub(in crate::papers::hhz14) fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a Row; 2]> {
     Some([scene.like_first(OCTREE, &[])?, scene.like_first(ABUFFER, &[])?])
 }
 

@@ -5,7 +5,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, PAPER, row};
 use crate::papers::quantity::{IN_A_MILLION, Quantity, mean, of_scene, of_scenes, rank_correlation, timed_of_scene};
 use crate::papers::rows::{MILLION, SceneRows, counted, of_cause, share_of_all};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("large_grid_trace_over_usual", "", large_grid_trace_over_usual),
@@ -30,7 +30,7 @@ fn large_grid_trace_over_usual(scene: &SceneRows<'_>) -> Option<Estimate> {
 const BY_RULE: &str = "0";
 
 /// A row with the A-buffers of the published preset.
-fn gridded<'a>(scene: &SceneRows<'a>, grid: &str) -> Option<&'a TracerRun> {
+fn gridded<'a>(scene: &SceneRows<'a>, grid: &str) -> Option<&'a Row> {
     scene.find(ABUFFER, &[("abuffer", BY_RULE), ("grid", grid)])
 }
 
@@ -42,8 +42,8 @@ fn grid_by_rule_total_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
 }
 
 /// The share of all closest-hit rays of a row that are wrong under `footprint`.
-fn wrong(run: &TracerRun) -> Option<f64> {
-    share_of_all(run, |trace| counted(trace, |closest| Some(closest.classes.footprint.wrong())))
+fn wrong(row: &Row) -> Option<f64> {
+    share_of_all(row, |trace| counted(trace, |closest| Some(closest.classes.footprint.wrong())))
 }
 
 /// Rays in a million that are wrong because of the A-buffer that was searched.
@@ -55,9 +55,9 @@ fn wrong_axis_rays(scene: &SceneRows<'_>) -> Option<f64> {
 fn open_wrong_over_closed(scenes: &[SceneRows<'_>]) -> Option<f64> {
     let mut shares = [Vec::new(), Vec::new()];
     for scene in scenes {
-        let run = row(scene, &[])?;
-        let entry = tracebench_scenes::catalogue().iter().find(|entry| entry.name == run.scene.name)?;
-        shares[usize::from(entry.watertight)].push(wrong(run)?);
+        let row = row(scene, &[])?;
+        let entry = tracebench_scenes::catalogue().iter().find(|entry| entry.name == row.scene.name)?;
+        shares[usize::from(entry.watertight)].push(wrong(row)?);
     }
     let [open, closed] = shares.map(|shares| mean(&shares));
     closed.filter(|closed| *closed > 0.0).and_then(|closed| Some(open? / closed))
@@ -66,8 +66,8 @@ fn open_wrong_over_closed(scenes: &[SceneRows<'_>]) -> Option<f64> {
 /// How bytes are ranked by the triangles over the scenes.
 fn rank_of_bytes_by_triangles(scenes: &[SceneRows<'_>]) -> Option<f64> {
     let point = |scene: &SceneRows<'_>| {
-        let run = row(scene, &[])?;
-        Some([run.scene.triangles as f64, PAPER.bytes(run, Scope::Structure)?])
+        let row = row(scene, &[])?;
+        Some([row.scene.triangles as f64, PAPER.bytes(row, Scope::Structure)?])
     };
     rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
 }

@@ -5,14 +5,14 @@ use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, row};
 use crate::papers::quantity::{IN_A_MILLION, Quantity, greatest, least, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, agreement, beyond, footprint, integer, passed, per_ray, trace};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("least_footprint_agreement", "", least_footprint_agreement),
+    of_scene("min_footprint_agreement", "", min_footprint_agreement),
     of_scene("three_step_agreement_change", "", three_step_agreement_change),
     of_scene("one_step_ao_change", "", one_step_ao_change),
     of_scene("one_step_passed_beyond", IN_A_MILLION, one_step_passed_beyond),
-    timed_of_scene("least_gain_of_fewer_steps", "", least_gain_of_fewer_steps),
+    timed_of_scene("min_gain_of_fewer_steps", "", min_gain_of_fewer_steps),
     of_scene("voxels_visited_over_grid", "", voxels_visited_over_grid),
     timed_of_scene("time_over_rays_exponent", "", time_over_rays_exponent),
     timed_of_scene("step_search_time_over_abuffer", "", step_search_time_over_abuffer),
@@ -20,12 +20,12 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("coarse_abuffer_passed_beyond", IN_A_MILLION, coarse_abuffer_passed_beyond),
 ];
 
-fn with<'a>(scene: &SceneRows<'a>, search: &str) -> Option<&'a TracerRun> {
+fn with<'a>(scene: &SceneRows<'a>, search: &str) -> Option<&'a Row> {
     row(scene, &[("search", search)])
 }
 
 /// The least footprint agreement of the search in every texel over closest-hit sets.
-fn least_footprint_agreement(scene: &SceneRows<'_>) -> Option<f64> {
+fn min_footprint_agreement(scene: &SceneRows<'_>) -> Option<f64> {
     least(with(scene, "dda2d")?.traces.iter().filter_map(footprint))
 }
 
@@ -47,7 +47,7 @@ fn one_step_passed_beyond(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// Time in every texel over that in three steps, and in three over that in one, mean over the ray sets: the less of the two.
-fn least_gain_of_fewer_steps(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn min_gain_of_fewer_steps(scene: &SceneRows<'_>) -> Option<Estimate> {
     let gain = |[more, fewer]: [&str; 2]| {
         let (more, fewer) = (with(scene, more)?, with(scene, fewer)?);
         let ratios = more.traces.iter().map(|own| scene.trace_ratio(more, fewer, &own.rays));
@@ -59,9 +59,9 @@ fn least_gain_of_fewer_steps(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Voxels that a ray goes through over those along the grid's edge, of the ray set with the most.
 fn voxels_visited_over_grid(scene: &SceneRows<'_>) -> Option<f64> {
-    let run = with(scene, "dda2d")?;
-    let edge = integer(run, "grid")? as f64;
-    greatest(run.traces.iter().map(|trace| per_ray(trace, VOXELS)).collect::<Option<Vec<_>>>()?).map(|most| most / edge)
+    let row = with(scene, "dda2d")?;
+    let edge = integer(row, "grid")? as f64;
+    greatest(row.traces.iter().map(|trace| per_ray(trace, VOXELS)).collect::<Option<Vec<_>>>()?).map(|most| most / edge)
 }
 
 /// The exponent by which time grows with the number of rays, from the fewest to the most.
@@ -76,7 +76,7 @@ fn time_over_rays_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
 const FINE: &str = "2048";
 const COARSE: &str = "512";
 
-fn finer_over_coarser<'a>(scene: &SceneRows<'a>, search: &str) -> Option<[&'a TracerRun; 2]> {
+fn finer_over_coarser<'a>(scene: &SceneRows<'a>, search: &str) -> Option<[&'a Row; 2]> {
     let [fine, coarse] = [FINE, COARSE].map(|edge| row(scene, &[("abuffer", edge), ("search", search)]));
     Some([fine?, coarse?])
 }
@@ -92,7 +92,7 @@ fn step_search_time_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Depths that a diffuse ray compares in A-buffers of 2048 over those in 512, where it does so in every texel on its way.
 fn dda_comparisons_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
-    let [fine, coarse] = finer_over_coarser(scene, "dda2d")?.map(|run| per_ray(trace(run, "diffuse")?, COMPARISONS));
+    let [fine, coarse] = finer_over_coarser(scene, "dda2d")?.map(|row| per_ray(trace(row, "diffuse")?, COMPARISONS));
     coarse.filter(|comparisons| *comparisons > 0.0).and_then(|coarse| Some(fine? / coarse))
 }
 

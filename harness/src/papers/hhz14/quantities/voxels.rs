@@ -5,7 +5,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, row};
 use crate::papers::quantity::{Quantity, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, agreement, per_ray, trace};
-use crate::results::{Judgement, TracerRun};
+use crate::results::{Judgement, Row};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("voxels_alone_ao_change", "", voxels_alone_ao_change),
@@ -13,19 +13,19 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("voxel_walk_exponent", "", voxel_walk_exponent),
 ];
 
-fn voxels<'a>(scene: &SceneRows<'a>, grid: &str) -> Option<&'a TracerRun> {
+fn voxels<'a>(scene: &SceneRows<'a>, grid: &str) -> Option<&'a Row> {
     scene.find(ABUFFER, &[("structure", "voxels-only"), ("grid", grid)])
 }
 
 /// Balanced accuracy of ambient occlusion in a grid of 512 alone less that with A-buffers.
 fn voxels_alone_ao_change(scene: &SceneRows<'_>) -> Option<f64> {
-    let [alone, both] = [voxels(scene, "512")?, row(scene, &[])?].map(|run| agreement(trace(run, "ao")?));
+    let [alone, both] = [voxels(scene, "512")?, row(scene, &[])?].map(|row| agreement(trace(row, "ao")?));
     Some(alone? - both?)
 }
 
 /// The median error of t of diffuse rays that hit.
-fn position_error(run: &TracerRun) -> Option<f64> {
-    match &trace(run, "diffuse")?.judgement {
+fn position_error(row: &Row) -> Option<f64> {
+    match &trace(row, "diffuse")?.judgement {
         Judgement::Closest(closest) => closest.position_error.p50.filter(|error| *error > 0.0),
         Judgement::Any(_) => None,
     }
@@ -42,7 +42,7 @@ fn abuffer_position_error_over_voxels(scene: &SceneRows<'_>) -> Option<f64> {
 fn voxel_walk_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
     let [low, high] = ["64", "512"].map(|grid| voxels(scene, grid));
     let (low, high) = (low?, high?);
-    let [few, many] = [low, high].map(|run| per_ray(trace(run, "ao")?, VOXELS));
+    let [few, many] = [low, high].map(|row| per_ray(trace(row, "ao")?, VOXELS));
     let growth = many? / few?;
     (growth > 1.0).then(|| Some(scene.trace_ratio(high, low, "ao")?.rising(f64::ln) / growth.ln()))?
 }

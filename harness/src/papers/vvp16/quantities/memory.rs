@@ -4,7 +4,7 @@ use crate::papers::Scope;
 use crate::papers::quantity::{Quantity, farthest_from_one, of_scene};
 use crate::papers::rows::{SceneRows, has, integer, statistic};
 use crate::papers::vvp16::{ABUFFER, PAPER, row};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("abuffer_bytes_over_formula", "", bytes_over_formula),
@@ -25,9 +25,9 @@ const PARTS: [&[&str]; 3] = [
 
 /// Bytes of the pixels' words, the id buffer and the data buffer by Table 2 with the device's own counts: m_p a pixel, m_f and the
 /// data a fragment; none where data is not apart, of which the table does not speak.
-pub(in crate::papers::vvp16) fn formula(run: &TracerRun) -> Option<[f64; 3]> {
-    let buckets = integer(run, "buckets")? as f64;
-    let (of_pixel, of_fragment) = match run.tracer.parameters.get("storage")?.as_str()? {
+pub(in crate::papers::vvp16) fn formula(row: &Row) -> Option<[f64; 3]> {
+    let buckets = integer(row, "buckets")? as f64;
+    let (of_pixel, of_fragment) = match row.tracer.parameters.get("storage")?.as_str()? {
         "s-buffer" => (8.0, 8.0),
         "ll" => (4.0, 8.0),
         "dll" => (8.0, 12.0),
@@ -35,31 +35,31 @@ pub(in crate::papers::vvp16) fn formula(run: &TracerRun) -> Option<[f64; 3]> {
         "dllb" => (8.0 + 8.0 * buckets, 12.0),
         _ => return None,
     };
-    let (pixels, fragments) = (statistic(run, "pixels")?, statistic(run, "fragments")?);
-    has(run, "decoupled", "on").then_some([pixels * of_pixel, fragments * of_fragment, fragments * DATA_BYTES])
+    let (pixels, fragments) = (statistic(row, "pixels")?, statistic(row, "fragments")?);
+    has(row, "decoupled", "on").then_some([pixels * of_pixel, fragments * of_fragment, fragments * DATA_BYTES])
 }
 
 /// Bytes used of the same parts by the ledger.
-pub(in crate::papers::vvp16) fn ledger(run: &TracerRun) -> [f64; 3] {
+pub(in crate::papers::vvp16) fn ledger(row: &Row) -> [f64; 3] {
     PARTS.map(|names| {
         let is_of = |rest: &str| rest.is_empty() || rest.starts_with(", view");
         let own = |part: &str| names.iter().any(|name| part.strip_prefix(name).is_some_and(is_of));
-        run.memory.structure.iter().filter(|part| own(&part.name)).map(|part| part.used_bytes as f64).sum()
+        row.memory.structure.iter().filter(|part| own(&part.name)).map(|part| part.used_bytes as f64).sum()
     })
 }
 
 /// Bytes of all three parts.
-fn parts(run: &TracerRun) -> f64 {
-    ledger(run).iter().sum()
+fn parts(row: &Row) -> f64 {
+    ledger(row).iter().sum()
 }
 
 /// Bytes of the ledger over those of the formula, of all rows that which lies farthest from 1.
 pub(in crate::papers) fn bytes_over_formula(scene: &SceneRows<'_>) -> Option<f64> {
-    let ratio = |run: &TracerRun| Some(parts(run) / formula(run)?.iter().sum::<f64>());
+    let ratio = |row: &Row| Some(parts(row) / formula(row)?.iter().sum::<f64>());
     farthest_from_one(scene.of_tracer(ABUFFER).filter_map(ratio))
 }
 
-fn with<'a>(scene: &SceneRows<'a>, storage: &str, buckets: &str) -> Option<&'a TracerRun> {
+fn with<'a>(scene: &SceneRows<'a>, storage: &str, buckets: &str) -> Option<&'a Row> {
     row(scene, &[("storage", storage), ("buckets", buckets)])
 }
 
@@ -78,21 +78,21 @@ fn dllb_beyond_llb_over_links(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// dllb at every B.
-fn dllb<'a>(scene: &SceneRows<'a>) -> impl Iterator<Item = &'a TracerRun> {
-    scene.of_tracer(ABUFFER).filter(|run| has(run, "storage", "dllb"))
+fn dllb<'a>(scene: &SceneRows<'a>) -> impl Iterator<Item = &'a Row> {
+    scene.of_tracer(ABUFFER).filter(|row| has(row, "storage", "dllb"))
 }
 
 /// Bytes a pixel of dllb's depth bounds, heads and tails over 2 + 2B textures of 32 bits, over B that which lies farthest from 1.
 fn dllb_pixel_bytes_over_textures(scene: &SceneRows<'_>) -> Option<f64> {
-    let ratio = |run: &TracerRun| {
-        let textures = 2.0 + 2.0 * integer(run, "buckets")? as f64;
-        Some(ledger(run)[0] / statistic(run, "pixels")? / (4.0 * textures))
+    let ratio = |row: &Row| {
+        let textures = 2.0 + 2.0 * integer(row, "buckets")? as f64;
+        Some(ledger(row)[0] / statistic(row, "pixels")? / (4.0 * textures))
     };
     farthest_from_one(dllb(scene).filter_map(ratio))
 }
 
 /// Bytes a fragment of dllb's id buffer, at B = 4.
 fn dllb_id_node_bytes(scene: &SceneRows<'_>) -> Option<f64> {
-    let run = with(scene, "dllb", "4")?;
-    Some(ledger(run)[1] / statistic(run, "fragments")?)
+    let row = with(scene, "dllb", "4")?;
+    Some(ledger(row)[1] / statistic(row, "fragments")?)
 }

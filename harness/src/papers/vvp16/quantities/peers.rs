@@ -5,14 +5,14 @@ use crate::papers::quantity::{Quantity, greatest, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, footprint, trace};
 use crate::papers::times::{ratio, traced};
 use crate::papers::vvp16::{ABUFFER, row};
-use crate::results::{Timed, TracerRun};
+use crate::results::{Row, Timed};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("lbvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, TRBVH)),
     timed_of_scene("bvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, SBVH)),
     timed_of_scene("abuffer_trace_over_lbvh", "", |scene| trace_over(scene, TRBVH)),
     timed_of_scene("abuffer_trace_over_bvh", "", |scene| trace_over(scene, SBVH)),
-    timed_of_scene("least_bvh_total_over_abuffer", "", least_bvh_total_over_abuffer),
+    timed_of_scene("min_bvh_total_over_abuffer", "", min_bvh_total_over_abuffer),
     timed_of_scene("break_even_samples", "samples", break_even_samples),
     timed_of_scene("four_samples_over_build", "", four_samples_over_build),
     of_scene("abuffer_footprint_agreement", "", footprint_agreement),
@@ -23,7 +23,7 @@ const TRBVH: &str = "lbvh-gpu";
 /// The hierarchy built on the host, in place of SBVH.
 const SBVH: &str = "bvh-gpu";
 
-fn beside<'a>(scene: &SceneRows<'a>, hierarchy: &str) -> Option<[&'a TracerRun; 2]> {
+fn beside<'a>(scene: &SceneRows<'a>, hierarchy: &str) -> Option<[&'a Row; 2]> {
     Some([row(scene, &[])?, scene.find(hierarchy, &[])?])
 }
 
@@ -40,7 +40,7 @@ fn trace_over(scene: &SceneRows<'_>, hierarchy: &str) -> Option<Estimate> {
 }
 
 /// Build and trace of the better hierarchy over those of the A-buffer.
-fn least_bvh_total_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn min_bvh_total_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
     let ratio = |hierarchy: &&str| {
         let [abuffer, bvh] = beside(scene, hierarchy)?;
         scene.total_ratio(bvh, abuffer, &[("diffuse", 1.0)])
@@ -55,7 +55,7 @@ fn break_even_samples(scene: &SceneRows<'_>) -> Option<Estimate> {
         let [abuffer, bvh] = beside(scene, hierarchy)?;
         // All in parts of a trace in the A-buffer.
         let trace = traced(abuffer, "diffuse")?;
-        let part = |timed: &Timed<'_>| ratio(scene.run, timed, &trace);
+        let part = |timed: &Timed<'_>| ratio(scene.record, timed, &trace);
         let owed = part(&Timed::steady_build(bvh))? - part(&Timed::steady_build(abuffer))?;
         let repaid = Estimate::from(1.0) - part(&traced(bvh, "diffuse")?)?;
         let nothing = owed.value <= 0.0 || repaid.value <= 0.0;
@@ -74,7 +74,7 @@ fn break_even_samples(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Footprint agreement of diffuse rays, the best over the rows.
 fn footprint_agreement(scene: &SceneRows<'_>) -> Option<f64> {
-    greatest(scene.of_tracer(ABUFFER).filter_map(|run| footprint(trace(run, "diffuse")?)))
+    greatest(scene.of_tracer(ABUFFER).filter_map(|row| footprint(trace(row, "diffuse")?)))
 }
 
 /// Samples a pixel and frame of Figure 10.
@@ -82,6 +82,6 @@ pub(in crate::papers::vvp16) const SAMPLES: f64 = 4.0;
 
 /// Time of a frame's samples over that of its build.
 fn four_samples_over_build(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let run = row(scene, &[])?;
-    ratio(scene.run, &traced(run, "diffuse")?.times(SAMPLES), &Timed::steady_build(run))
+    let row = row(scene, &[])?;
+    ratio(scene.record, &traced(row, "diffuse")?.times(SAMPLES), &Timed::steady_build(row))
 }

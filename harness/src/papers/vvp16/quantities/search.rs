@@ -7,7 +7,7 @@ use crate::papers::quantity::{Quantity, of_scene, timed_of_scene, timed_of_scene
 use crate::papers::rows::{SceneRows, same_hits, statistic, trace};
 use crate::papers::times::{rank_correlation, traced as timed};
 use crate::papers::vvp16::{self, PAPER, row};
-use crate::results::{Timed, TraceRecord, TracerRun};
+use crate::results::{Row, Timed, TraceRecord};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("skipping_gain", "", skipping_gain),
@@ -26,9 +26,9 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 const COMPLEX_LAYERS: f64 = 5.0;
 
 /// The traces of one bounce and of two.
-pub(in crate::papers::vvp16) fn bounces(run: &TracerRun) -> Option<[Vec<&TraceRecord>; 2]> {
-    let first = trace(run, "diffuse")?;
-    Some([vec![first], vec![first, trace(run, "bounce2")?]])
+pub(in crate::papers::vvp16) fn bounces(row: &Row) -> Option<[Vec<&TraceRecord>; 2]> {
+    let first = trace(row, "diffuse")?;
+    Some([vec![first], vec![first, trace(row, "bounce2")?]])
 }
 
 /// The share of the pixels or steps looked at of which no fragment was tested.
@@ -47,7 +47,7 @@ pub(in crate::papers::vvp16) fn views(traces: &[&TraceRecord]) -> Option<f64> {
 }
 
 /// With and without skipping.
-fn skipping<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+fn skipping<'a>(scene: &SceneRows<'a>) -> Option<[&'a Row; 2]> {
     Some([row(scene, &vvp16::skipping("on"))?, row(scene, &vvp16::skipping("off"))?])
 }
 
@@ -66,20 +66,20 @@ fn same_hits_without_skipping(scene: &SceneRows<'_>) -> Option<f64> {
 /// How the time of a diffuse ray is ranked by the efficiency of skipping over the scenes.
 fn rank_of_time_by_efficiency<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let point = |scene: &SceneRows<'a>| {
-        let run = row(scene, &vvp16::skipping("on"))?;
-        let traced = trace(run, "diffuse")?;
-        Some((efficiency(&[traced])?, timed(run, "diffuse")?.times(1.0 / traced.count as f64)))
+        let row = row(scene, &vvp16::skipping("on"))?;
+        let traced = trace(row, "diffuse")?;
+        Some((efficiency(&[traced])?, timed(row, "diffuse")?.times(1.0 / traced.count as f64)))
     };
-    rank_correlation(scenes.first()?.run, &scenes.iter().filter_map(point).collect::<Vec<_>>())
+    rank_correlation(scenes.first()?.record, &scenes.iter().filter_map(point).collect::<Vec<_>>())
 }
 
 /// How the build is ranked by the fragments over the scenes.
 fn rank_of_build_by_fragments<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let point = |scene: &SceneRows<'a>| {
-        let run = row(scene, &[])?;
-        Some((statistic(run, "fragments")?, Timed::steady_build(run)))
+        let row = row(scene, &[])?;
+        Some((statistic(row, "fragments")?, Timed::steady_build(row)))
     };
-    rank_correlation(scenes.first()?.run, &scenes.iter().filter_map(point).collect::<Vec<_>>())
+    rank_correlation(scenes.first()?.record, &scenes.iter().filter_map(point).collect::<Vec<_>>())
 }
 
 /// What something is over the rays of two bounces, over what it is in the first.
@@ -94,7 +94,7 @@ fn two_bounces_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
 }
 
 /// More buckets than the first row has.
-fn more_buckets<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+fn more_buckets<'a>(scene: &SceneRows<'a>) -> Option<[&'a Row; 2]> {
     Some([row(scene, &[("buckets", "8")])?, row(scene, &[("buckets", "12")])?])
 }
 
@@ -119,6 +119,6 @@ fn more_buckets_cost(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// The share of the stored data nodes that any diffuse ray's hit reads.
 fn data_nodes_read(scene: &SceneRows<'_>) -> Option<f64> {
-    let run = row(scene, &[])?;
-    Some(counted(&[trace(run, "diffuse")?], "payloads_touched")? / statistic(run, "fragments")?)
+    let row = row(scene, &[])?;
+    Some(counted(&[trace(row, "diffuse")?], "payloads_touched")? / statistic(row, "fragments")?)
 }

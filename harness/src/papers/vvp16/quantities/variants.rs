@@ -4,7 +4,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{PERCENT, Quantity, of_scene, timed_of_scene, timed_of_scenes};
 use crate::papers::rows::{SceneRows, statistic};
 use crate::papers::vvp16::{self, row};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("decoupling_gain", PERCENT, decoupling_gain),
@@ -25,14 +25,14 @@ const PLAIN: [&str; 2] = ["off", "off"];
 const DECOUPLED: [&str; 2] = ["on", "off"];
 const SKIPPING: [&str; 2] = ["on", "on"];
 /// The figure's ways to keep data and to search: heading, values of decoupled and skipping.
-pub(in crate::papers::vvp16) const WAYS: [(&str, [&str; 2]); 3] =
+pub(in crate::papers::vvp16) const UPDATE_MODES: [(&str, [&str; 2]); 3] =
     [("default", PLAIN), ("decoupled", DECOUPLED), ("empty space skipping", SKIPPING)];
 
 pub(in crate::papers::vvp16) fn with<'a>(
     scene: &SceneRows<'a>,
     storage: &str,
     [decoupled, skipping]: [&str; 2],
-) -> Option<&'a TracerRun> {
+) -> Option<&'a Row> {
     row(scene, &[&[("storage", storage), ("decoupled", decoupled)][..], &vvp16::skipping(skipping)].concat())
 }
 
@@ -107,6 +107,6 @@ fn dllb_over_fastest_other(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Pixels with fragments over all pixels.
 fn covered_pixels_share(scene: &SceneRows<'_>) -> Option<f64> {
-    let run = row(scene, &[])?;
-    Some(statistic(run, "covered_pixels")? / statistic(run, "pixels")?)
+    let row = row(scene, &[])?;
+    Some(statistic(row, "covered_pixels")? / statistic(row, "pixels")?)
 }

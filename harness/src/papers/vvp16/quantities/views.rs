@@ -9,7 +9,7 @@ use crate::papers::rows::{
 };
 use crate::papers::vvp16::{ABUFFER, PAPER, row};
 use crate::papers::wkp15;
-use crate::results::{TraceRecord, TracerRun};
+use crate::results::{Row, TraceRecord};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("seven_views_over_one", "", seven_views_over_one),
@@ -74,8 +74,8 @@ fn steps_over_hi_z(scene: &SceneRows<'_>) -> Option<Estimate> {
 }
 
 /// Footprint agreement of diffuse rays.
-fn agreement(run: Option<&TracerRun>) -> Option<f64> {
-    footprint(trace(run?, "diffuse")?)
+fn agreement(row: Option<&Row>) -> Option<f64> {
+    footprint(trace(row?, "diffuse")?)
 }
 
 /// Agreement in 25 steps less that over every pixel.
@@ -86,18 +86,18 @@ fn sparse_steps_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
 /// The rows at a lower resolution than the first row's.
 fn coarser<'a>(scene: &SceneRows<'a>) -> Option<SceneRows<'a>> {
     let first = scene.of_tracer(ABUFFER).next()?;
-    let of = |run: &TracerRun| run.viewpoint.ray_image;
-    scene.by_resolution().into_iter().find(|at| at.runs.iter().all(|run| of(run)[0] < of(first)[0]))
+    let of = |row: &Row| row.viewpoint.ray_image;
+    scene.by_resolution().into_iter().find(|at| at.rows.iter().all(|row| of(row)[0] < of(first)[0]))
 }
 
 /// The rows with finer faces than the first row's, all else alike.
 fn finer_faces<'a>(scene: &SceneRows<'a>) -> Option<SceneRows<'a>> {
     let first = &scene.of_tracer(ABUFFER).next()?.viewpoint;
-    let finer = |run: &&TracerRun| {
-        let own = &run.viewpoint;
+    let finer = |row: &&Row| {
+        let own = &row.viewpoint;
         (own.ray_image, own.frame) == (first.ray_image, first.frame) && own.face > first.face
     };
-    scene.by_resolution().into_iter().find(|at| at.runs.iter().all(&finer))
+    scene.by_resolution().into_iter().find(|at| at.rows.iter().all(&finer))
 }
 
 const A_PIXEL_THICK: [(&str, &str); 3] = [("thickness_in", "pixels"), ("thickness", "1"), ("march", "steps")];
@@ -124,8 +124,8 @@ fn resolution_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
 }
 
 /// Rays in a million of all closest-hit sets of a row that are wrong for a cause.
-fn rays_of_cause(run: &TracerRun, cause: &str) -> Option<f64> {
-    share_of_all(run, |trace| of_cause(trace, "tight", cause)).map(|share| share * MILLION)
+fn rays_of_cause(row: &Row, cause: &str) -> Option<f64> {
+    share_of_all(row, |trace| of_cause(trace, "tight", cause)).map(|share| share * MILLION)
 }
 
 /// Of rays whose true hit lies in none of six faces.

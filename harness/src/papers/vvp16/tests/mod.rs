@@ -10,11 +10,10 @@ use tracebench_api::Query;
 use super::PAPER;
 use crate::papers::Rows;
 use crate::papers::fixture::{
-    self, close, contender, count, in_a_million, run_of, set_build, set_bytes, set_classes, set_phase, set_time,
-    trace_of,
+    self, close, config, count, in_a_million, run_of, set_build, set_bytes, set_classes, set_phase, set_time, trace_of,
 };
 use crate::papers::rows::has;
-use crate::results::{Judgement, Run, TracerRun};
+use crate::results::{Judgement, Record, Row};
 
 const SETS: [(&str, Query); 6] = [
     ("diffuse", Query::Closest),
@@ -25,16 +24,16 @@ const SETS: [(&str, Query); 6] = [
     ("pixel-random", Query::Closest),
 ];
 
-fn abuffer(scene: &str, parameters: Value, statistics: &[(&str, f64)]) -> TracerRun {
-    contender("fragment-abuffer", scene, parameters, statistics, &SETS)
+fn abuffer(scene: &str, parameters: Value, statistics: &[(&str, f64)]) -> Row {
+    config("fragment-abuffer", scene, parameters, statistics, &SETS)
 }
 
-fn values(name: &str, run: &Run) -> BTreeMap<String, f64> {
-    fixture::values(&PAPER, name, run)
+fn values(name: &str, record: &Record) -> BTreeMap<String, f64> {
+    fixture::values(&PAPER, name, record)
 }
 
-fn value(name: &str, run: &Run) -> f64 {
-    fixture::value(&PAPER, name, run)
+fn value(name: &str, record: &Record) -> f64 {
+    fixture::value(&PAPER, name, record)
 }
 
 /// Tables whose figures stood in a picture alone have none.
@@ -52,8 +51,9 @@ fn rows_differ_in_what_they_are_about_alone() {
     };
     let mut coarse = with("seven", "one");
     coarse.viewpoint.face = 7;
-    let run = run_of(vec![with("seven", "all"), coarse, with("six", "one"), with("seven", "one"), with("six", "all")]);
-    let rows = Rows::of(&run);
+    let record =
+        run_of(vec![with("seven", "all"), coarse, with("six", "one"), with("seven", "one"), with("six", "all")]);
+    let rows = Rows::of(&record);
     let of = |values: &[(&str, &str)]| {
         let found = rows.scenes[0].like_first("fragment-abuffer", values)?;
         Some(
@@ -97,14 +97,14 @@ fn pixels_name(storage: &str) -> &'static str {
 }
 
 /// All storages as Table 2 has them, with as many pixels and fragments.
-fn storages(pixels: u64, fragments: u64) -> Vec<TracerRun> {
+fn storages(pixels: u64, fragments: u64) -> Vec<Row> {
     let kinds = [("s-buffer", 4), ("ll", 4), ("dll", 4), ("llb", 4), ("llb", 8), ("dllb", 4), ("dllb", 8)];
     let make = |(storage, buckets): (&str, u64)| {
         let parameters = json!({ "storage": storage, "buckets": buckets, "decoupled": "on" });
-        let mut run = abuffer("a", parameters, &[("pixels", pixels as f64), ("fragments", fragments as f64)]);
+        let mut record = abuffer("a", parameters, &[("pixels", pixels as f64), ("fragments", fragments as f64)]);
         let [of_pixel, of_fragment] = table_2(storage, buckets);
         set_bytes(
-            &mut run,
+            &mut record,
             &[
                 (pixels_name(storage), of_pixel * pixels),
                 ("id buffer, view 1", of_fragment * (fragments / 2)),
@@ -113,23 +113,23 @@ fn storages(pixels: u64, fragments: u64) -> Vec<TracerRun> {
                 ("depth pyramid", 12_345),
             ],
         );
-        run
+        record
     };
     kinds.map(make).to_vec()
 }
 
-/// The ledger is held against Table 2 part by part, what it does not count left out, views added up; more or fewer bytes of any
+/// The ledger is compared with Table 2 part by part, what it does not count left out, views added up; more or fewer bytes of any
 /// part show, and bytes of nodes that hold the data are no case of the table.
 #[test]
 fn bytes_are_those_of_table_2() {
-    let run = run_of(storages(1000, 2500));
-    close(value("abuffer_bytes_over_formula", &run), 1.0);
-    close(value("dllb_beyond_llb_over_links", &run), 1.0);
-    close(value("dllb_pixel_bytes_over_textures", &run), 1.0);
-    close(value("dllb_id_node_bytes", &run), 12.0);
+    let record = run_of(storages(1000, 2500));
+    close(value("abuffer_bytes_over_formula", &record), 1.0);
+    close(value("dllb_beyond_llb_over_links", &record), 1.0);
+    close(value("dllb_pixel_bytes_over_textures", &record), 1.0);
+    close(value("dllb_id_node_bytes", &record), 12.0);
     // dll with 8 + 12 n against llb with 24 + 8 n, the data's 16 n and 12,345 on both sides.
     let expected = (8.0 + 28.0 * 2.5 + 12.345) / (24.0 + 24.0 * 2.5 + 12.345);
-    close(value("largest_without_buckets_over_least_with", &run), expected);
+    close(value("largest_without_buckets_over_least_with", &record), expected);
     for (row, part, name) in [
         (0, 1, "abuffer_bytes_over_formula"),
         (5, 0, "dllb_pixel_bytes_over_textures"),
@@ -137,121 +137,121 @@ fn bytes_are_those_of_table_2() {
         (3, 1, "dllb_beyond_llb_over_links"),
         (2, 3, "largest_without_buckets_over_least_with"),
     ] {
-        let mut wrong = run.clone();
-        wrong.runs[row].memory.structure[part].used_bytes += 5000;
-        assert!((value(name, &wrong) - value(name, &run)).abs() > 1e-3, "{name}");
+        let mut wrong = record.clone();
+        wrong.rows[row].memory.structure[part].used_bytes += 5000;
+        assert!((value(name, &wrong) - value(name, &record)).abs() > 1e-3, "{name}");
     }
-    let mut coupled = run.clone();
-    for run in &mut coupled.runs {
-        run.tracer.parameters.insert("decoupled".to_owned(), json!("off"));
+    let mut coupled = record.clone();
+    for row in &mut coupled.rows {
+        row.tracer.parameters.insert("decoupled".to_owned(), json!("off"));
     }
     assert!(values("abuffer_bytes_over_formula", &coupled).is_empty());
 }
 
 /// Table 1 of a scene: with and without skipping, 8 and 12 buckets.
-fn table_1(scene: &str, fragments: f64, ms: f64) -> Vec<TracerRun> {
+fn table_1(scene: &str, fragments: f64, ms: f64) -> Vec<Row> {
     let make = |(skipping, buckets, factor): (&str, u64, f64)| {
         let parameters = json!({ "skip_bounds": skipping, "skip_buckets": skipping, "buckets": buckets });
-        let mut run = abuffer(scene, parameters, &[("fragments", fragments), ("average_layers", 6.0)]);
-        run.traces.truncate(3);
-        set_time(&mut run, "diffuse", ms * factor);
-        set_time(&mut run, "bounce2", 1.5 * ms * factor);
-        set_build(&mut run, fragments / 1e4);
-        set_phase(&mut run, "reorder", factor.recip());
-        set_bytes(&mut run, &[("depth bounds, heads and tails", 8 + 8 * buckets)]);
+        let mut row = abuffer(scene, parameters, &[("fragments", fragments), ("average_layers", 6.0)]);
+        row.traces.truncate(3);
+        set_time(&mut row, "diffuse", ms * factor);
+        set_time(&mut row, "bounce2", 1.5 * ms * factor);
+        set_build(&mut row, fragments / 1e4);
+        set_phase(&mut row, "reorder", factor.recip());
+        set_bytes(&mut row, &[("depth bounds, heads and tails", 8 + 8 * buckets)]);
         for (rays, visited, opened, tested) in
             [("diffuse", 1000, 50, 100), ("bounce2", 3000, 150, 450), ("ao", 10, 1, 1)]
         {
-            count(&mut run, rays, "pixels_visited", visited);
-            count(&mut run, rays, "pixels_opened", opened);
-            count(&mut run, rays, "fragments_tested", tested);
-            count(&mut run, rays, "views_entered", 20_000);
+            count(&mut row, rays, "pixels_visited", visited);
+            count(&mut row, rays, "pixels_opened", opened);
+            count(&mut row, rays, "fragments_tested", tested);
+            count(&mut row, rays, "views_entered", 20_000);
         }
-        count(&mut run, "diffuse", "payloads_touched", fragments as u64 / 4);
-        run
+        count(&mut row, "diffuse", "payloads_touched", fragments as u64 / 4);
+        row
     };
     [("on", 4, 1.0), ("off", 4, 3.0), ("on", 8, 0.8), ("on", 12, 0.9)].map(make).to_vec()
 }
 
-/// Layers are those of pixels that are opened and two bounces are both sets together; skipping is held against the row that
+/// Layers are those of pixels that are opened and two bounces are both sets together; skipping is compared with the row that
 /// differs in it alone; a changed hit, another ray set and a missing counter show.
 #[test]
 fn table_1_is_made_of_counters_and_ratios() {
-    let run = run_of(table_1("a", 4e6, 10.0));
-    close(value("skipping_gain", &run), 3.0);
-    close(value("two_bounces_over_one", &run), 2.5);
-    close(value("layers_of_two_bounces_over_one", &run), (550.0 / 200.0) / 2.0);
-    close(value("views_of_two_bounces_over_one", &run), 1.0);
-    close(value("data_nodes_read", &run), 0.25);
-    close(value("more_buckets_trace_where_deep", &run), 0.8);
+    let record = run_of(table_1("a", 4e6, 10.0));
+    close(value("skipping_gain", &record), 3.0);
+    close(value("two_bounces_over_one", &record), 2.5);
+    close(value("layers_of_two_bounces_over_one", &record), (550.0 / 200.0) / 2.0);
+    close(value("views_of_two_bounces_over_one", &record), 1.0);
+    close(value("data_nodes_read", &record), 0.25);
+    close(value("more_buckets_trace_where_deep", &record), 0.8);
     // 104 bytes over 40 with twelve buckets, 72 over 40 with eight; sorting 1 / 0.9 and 1 / 0.8.
-    close(value("more_buckets_cost", &run), 1.0 / 0.9);
-    close(value("same_hits_without_skipping", &run), 1.0);
-    let mut other = run.clone();
-    trace_of(&mut other.runs[1], "ao").hits_sha256 = "0".to_owned();
+    close(value("more_buckets_cost", &record), 1.0 / 0.9);
+    close(value("same_hits_without_skipping", &record), 1.0);
+    let mut other = record.clone();
+    trace_of(&mut other.rows[1], "ao").hits_sha256 = "0".to_owned();
     close(value("same_hits_without_skipping", &other), 2.0 / 3.0);
-    trace_of(&mut other.runs[1], "ao").rays_sha256 = "0".to_owned();
+    trace_of(&mut other.rows[1], "ao").rays_sha256 = "0".to_owned();
     close(value("same_hits_without_skipping", &other), 1.0);
-    let mut uncounted = run.clone();
-    trace_of(&mut uncounted.runs[0], "bounce2").counters.clear();
+    let mut uncounted = record.clone();
+    trace_of(&mut uncounted.rows[0], "bounce2").counters.clear();
     assert!(values("layers_of_two_bounces_over_one", &uncounted).is_empty());
     assert!(values("views_of_two_bounces_over_one", &uncounted).is_empty());
-    let mut shallow = run.clone();
-    for run in &mut shallow.runs {
-        run.structure_statistics.insert("average_layers".to_owned(), 4.0);
+    let mut shallow = record.clone();
+    for record in &mut shallow.rows {
+        record.structure_statistics.insert("average_layers".to_owned(), 4.0);
     }
     assert!(values("more_buckets_trace_where_deep", &shallow).is_empty());
-    assert!(values("skipping_gain", &run_of(vec![run.runs[0].clone()])).is_empty());
+    assert!(values("skipping_gain", &run_of(vec![record.rows[0].clone()])).is_empty());
 }
 
 /// Ranks are over scenes, three at least: 1 in order, -1 against it, a third of the pairs swapped a third.
 #[test]
 fn scenes_are_ranked() {
     let scenes = |ms: [f64; 3], opened: [u64; 3]| {
-        let mut runs = Vec::new();
+        let mut all = Vec::new();
         for (index, name) in ["a", "b", "c"].iter().enumerate() {
             let mut rows = table_1(name, 1e6 * (index + 1) as f64, ms[index]);
             count(&mut rows[0], "diffuse", "pixels_opened", opened[index]);
-            runs.extend(rows);
+            all.extend(rows);
         }
-        run_of(runs)
+        run_of(all)
     };
     close(value("rank_of_time_by_efficiency", &scenes([1.0, 2.0, 3.0], [10, 20, 30])), -1.0);
     close(value("rank_of_time_by_efficiency", &scenes([3.0, 2.0, 1.0], [10, 20, 30])), 1.0);
     close(value("rank_of_time_by_efficiency", &scenes([1.0, 3.0, 2.0], [10, 20, 30])), -1.0 / 3.0);
-    let mut run = scenes([1.0, 2.0, 3.0], [10, 20, 30]);
-    close(value("rank_of_build_by_fragments", &run), 1.0);
-    for one in run.runs.iter_mut().filter(|run| run.scene.name == "c") {
+    let mut record = scenes([1.0, 2.0, 3.0], [10, 20, 30]);
+    close(value("rank_of_build_by_fragments", &record), 1.0);
+    for one in record.rows.iter_mut().filter(|row| row.scene.name == "c") {
         set_build(one, 1.0);
     }
-    close(value("rank_of_build_by_fragments", &run), -1.0 / 3.0);
-    run.runs.retain(|run| run.scene.name != "c");
-    assert!(values("rank_of_build_by_fragments", &run).is_empty());
+    close(value("rank_of_build_by_fragments", &record), -1.0 / 3.0);
+    record.rows.retain(|row| row.scene.name != "c");
+    assert!(values("rank_of_build_by_fragments", &record).is_empty());
 }
 
 /// Beside hierarchies ratios are by the host's clock, the better hierarchy counts, and what repays nothing is no break-even.
 #[test]
 fn hierarchies_stand_beside() {
     let row = |tracer: &str, build: f64, ms: f64, footprint: f64| {
-        let mut run = contender(tracer, "a", json!({}), &[], &SETS);
-        set_build(&mut run, build);
-        set_time(&mut run, "diffuse", ms);
-        set_classes(&mut run, "diffuse", [0, 0], footprint);
-        run
+        let mut record = config(tracer, "a", json!({}), &[], &SETS);
+        set_build(&mut record, build);
+        set_time(&mut record, "diffuse", ms);
+        set_classes(&mut record, "diffuse", [0, 0], footprint);
+        record
     };
     let abuffer = || row("fragment-abuffer", 10.0, 36.0, 0.9);
-    let run = run_of(vec![abuffer(), row("lbvh-gpu", 148.0, 18.0, 1.0), row("bvh-gpu", 2183.0, 16.0, 1.0)]);
-    close(value("lbvh_build_over_abuffer", &run), 14.8);
-    close(value("bvh_build_over_abuffer", &run), 218.3);
-    close(value("abuffer_trace_over_lbvh", &run), 2.0);
-    close(value("abuffer_trace_over_bvh", &run), 2.25);
-    close(value("least_bvh_total_over_abuffer", &run), 166.0 / 46.0);
-    close(value("break_even_samples", &run), 138.0 / 18.0);
+    let record = run_of(vec![abuffer(), row("lbvh-gpu", 148.0, 18.0, 1.0), row("bvh-gpu", 2183.0, 16.0, 1.0)]);
+    close(value("lbvh_build_over_abuffer", &record), 14.8);
+    close(value("bvh_build_over_abuffer", &record), 218.3);
+    close(value("abuffer_trace_over_lbvh", &record), 2.0);
+    close(value("abuffer_trace_over_bvh", &record), 2.25);
+    close(value("min_bvh_total_over_abuffer", &record), 166.0 / 46.0);
+    close(value("break_even_samples", &record), 138.0 / 18.0);
     let mut thick = abuffer();
     set_classes(&mut thick, "diffuse", [0, 0], 0.97);
     thick.tracer.parameters.insert("thickness".to_owned(), json!(1.0));
-    close(value("abuffer_footprint_agreement", &run), 0.9);
-    close(value("abuffer_footprint_agreement", &run_of([run.runs, vec![thick]].concat())), 0.97);
+    close(value("abuffer_footprint_agreement", &record), 0.9);
+    close(value("abuffer_footprint_agreement", &run_of([record.rows, vec![thick]].concat())), 0.97);
     for (build, ms) in [(5.0, 18.0), (148.0, 40.0), (5.0, 40.0)] {
         close(value("break_even_samples", &run_of(vec![abuffer(), row("lbvh-gpu", build, ms, 1.0)])), 0.0);
     }
@@ -259,8 +259,8 @@ fn hierarchies_stand_beside() {
 }
 
 /// Figure 12 of a scene: plain 6 ms, decoupled as given first, with skipping as given second, times a factor a storage.
-pub(in crate::papers) fn variants(scene: &str, [decoupled, skipping]: [f64; 2]) -> Vec<TracerRun> {
-    let mut runs = Vec::new();
+pub(in crate::papers) fn variants(scene: &str, [decoupled, skipping]: [f64; 2]) -> Vec<Row> {
+    let mut all = Vec::new();
     for (storage, factor) in [("s-buffer", 1.0), ("ll", 2.0), ("dll", 1.5), ("llb", 0.9), ("dllb", 0.5)] {
         for (values, ms) in [(["off", "off"], 6.0), (["on", "off"], decoupled), (["on", "on"], skipping)] {
             let [decoupled, skipping] = values;
@@ -268,32 +268,32 @@ pub(in crate::papers) fn variants(scene: &str, [decoupled, skipping]: [f64; 2]) 
                 "storage": storage, "decoupled": decoupled, "skip_bounds": skipping, "skip_buckets": skipping,
             });
             let counts = [("fragments", 1e6), ("pixels", 100.0), ("covered_pixels", 80.0)];
-            let mut run = abuffer(scene, parameters, &counts);
-            set_time(&mut run, "pixel-random", ms * factor);
-            set_build(&mut run, if values[0] == "on" { 8.5 * (1.0 + factor) } else { 10.0 * (1.0 + factor) });
-            runs.push(run);
+            let mut record = abuffer(scene, parameters, &counts);
+            set_time(&mut record, "pixel-random", ms * factor);
+            set_build(&mut record, if values[0] == "on" { 8.5 * (1.0 + factor) } else { 10.0 * (1.0 + factor) });
+            all.push(record);
         }
     }
-    runs
+    all
 }
 
 /// Gains are of speed and means over storages, each against the row that differs in one step; a missing storage is no figure.
 #[test]
 fn variants_are_compared_step_by_step() {
-    let run = run_of(variants("a", [4.0, 1.0]));
-    close(value("decoupling_gain", &run), 50.0);
-    close(value("skipping_gain_of_variants", &run), 300.0);
-    close(value("decoupling_build_gain", &run), 15.0);
-    close(value("slowest_build_over_fastest", &run), 3.0 / 1.5);
-    close(value("bucketed_over_others", &run), 0.7 / 1.5);
-    close(value("dllb_over_fastest_other", &run), 0.5 / 0.9);
-    close(value("covered_pixels_share", &run), 0.8);
-    let mut slower = run.clone();
+    let record = run_of(variants("a", [4.0, 1.0]));
+    close(value("decoupling_gain", &record), 50.0);
+    close(value("skipping_gain_of_variants", &record), 300.0);
+    close(value("decoupling_build_gain", &record), 15.0);
+    close(value("slowest_build_over_fastest", &record), 3.0 / 1.5);
+    close(value("bucketed_over_others", &record), 0.7 / 1.5);
+    close(value("dllb_over_fastest_other", &record), 0.5 / 0.9);
+    close(value("covered_pixels_share", &record), 0.8);
+    let mut slower = record.clone();
     // dll with skipping alone.
-    set_time(&mut slower.runs[8], "pixel-random", 6.0);
+    set_time(&mut slower.rows[8], "pixel-random", 6.0);
     close(value("decoupling_gain", &slower), 50.0);
     close(value("skipping_gain_of_variants", &slower), 100.0 * ((4.0 * 4.0 + 1.0) / 5.0 - 1.0));
-    let lacking = run_of(run.runs[..12].to_vec());
+    let lacking = run_of(record.rows[..12].to_vec());
     for name in ["decoupling_gain", "skipping_gain_of_variants", "bucketed_over_others", "dllb_over_fastest_other"] {
         assert!(values(name, &lacking).is_empty(), "{name}");
     }
@@ -303,15 +303,15 @@ fn variants_are_compared_step_by_step() {
 #[test]
 fn exponential_gains_are_told() {
     let scenes = |speedups: &[f64]| {
-        let mut runs = Vec::new();
+        let mut all = Vec::new();
         for (index, speedup) in speedups.iter().enumerate() {
             let mut own = variants(&format!("scene {index}"), [1.0, 1.0 / speedup]);
-            for run in &mut own {
-                run.structure_statistics.insert("fragments".to_owned(), 1e6 * (index + 1) as f64);
+            for row in &mut own {
+                row.structure_statistics.insert("fragments".to_owned(), 1e6 * (index + 1) as f64);
             }
-            runs.extend(own);
+            all.extend(own);
         }
-        run_of(runs)
+        run_of(all)
     };
     close(value("skipping_speedup_evenness", &scenes(&[2.0, 4.0, 8.0])), 1.0);
     close(value("skipping_speedup_evenness", &scenes(&[2.0, 4.0, 64.0])), 0.25);
@@ -321,7 +321,7 @@ fn exponential_gains_are_told() {
 }
 
 /// The table over views and layers: base first, at three resolutions.
-fn views() -> Vec<TracerRun> {
+fn views() -> Vec<Row> {
     let base = json!({
         "views": "seven", "layers": "all", "march": "steps", "view_steps": 100, "bounds": "geometry", "centre": "pulled_back",
         "storage": "dllb", "binary_search_above": 16, "thickness": 0.0, "thickness_in": "diagonals",
@@ -352,26 +352,26 @@ fn views() -> Vec<TracerRun> {
         |(changed, [diffuse, ao], footprint, fragments, [image, faces]): (Value, [f64; 2], f64, f64, [f64; 2])| {
             let mut parameters = base.clone();
             parameters.as_object_mut().unwrap().extend(changed.as_object().unwrap().clone());
-            let mut run = abuffer("a", parameters, &[("fragments", fragments), ("pixels", fragments)]);
-            set_time(&mut run, "diffuse", diffuse);
-            set_time(&mut run, "ao", ao);
-            set_classes(&mut run, "diffuse", [0, 0], footprint);
-            set_bytes(&mut run, &[("id buffer", 12 * fragments as u64)]);
-            set_phase(&mut run, "depth bounds", 4.0);
-            run.viewpoint.ray_image = [512.0, 256.0].map(|edge| (edge * image) as u32);
-            run.viewpoint.frame = run.viewpoint.ray_image;
-            run.viewpoint.face = (256.0 * faces) as u32;
-            run.traces.iter_mut().for_each(|trace| trace.count = (trace.count as f64 * image * image) as u64);
-            run
+            let mut row = abuffer("a", parameters, &[("fragments", fragments), ("pixels", fragments)]);
+            set_time(&mut row, "diffuse", diffuse);
+            set_time(&mut row, "ao", ao);
+            set_classes(&mut row, "diffuse", [0, 0], footprint);
+            set_bytes(&mut row, &[("id buffer", 12 * fragments as u64)]);
+            set_phase(&mut row, "depth bounds", 4.0);
+            row.viewpoint.ray_image = [512.0, 256.0].map(|edge| (edge * image) as u32);
+            row.viewpoint.frame = row.viewpoint.ray_image;
+            row.viewpoint.face = (256.0 * faces) as u32;
+            row.traces.iter_mut().for_each(|trace| trace.count = (trace.count as f64 * image * image) as u64);
+            row
         };
     rows.map(make).to_vec()
 }
 
-/// Views, layers, marches, resolutions, centres and limits are each held against the row that differs in it alone, at its own
+/// Views, layers, marches, resolutions, centres and limits are each compared with the row that differs in it alone, at its own
 /// resolution.
 #[test]
 fn views_and_layers_are_told_apart() {
-    let mut run = run_of(views());
+    let mut record = run_of(views());
     for (name, expected) in [
         ("seven_views_over_one", f64::midpoint(4.0, 3.0)),
         ("all_layers_over_one", 1.25),
@@ -385,18 +385,18 @@ fn views_and_layers_are_told_apart() {
         // Bytes are linear in pixels; a ray takes twice the time at twice the edge: 16 ms of four times the rays of 2 ms.
         ("resolution_exponent", 1.0),
     ] {
-        let found = value(name, &run);
+        let found = value(name, &record);
         assert!((found - expected).abs() < 1e-9, "{name}: {found}, not {expected}");
     }
-    set_phase(&mut run.runs[8], "depth bounds", 1.0);
-    close(value("bounds_of_boxes_over_geometry", &run), 0.25);
-    set_time(&mut run.runs[5], "diffuse", 8.0);
-    close(value("resolution_exponent", &run), 0.0);
-    let base = run_of(run.runs[..15].to_vec());
+    set_phase(&mut record.rows[8], "depth bounds", 1.0);
+    close(value("bounds_of_boxes_over_geometry", &record), 0.25);
+    set_time(&mut record.rows[5], "diffuse", 8.0);
+    close(value("resolution_exponent", &record), 0.0);
+    let base = run_of(record.rows[..15].to_vec());
     for name in ["half_resolution_agreement_change", "camera_view_agreement_change_fine", "resolution_exponent"] {
         assert!(values(name, &base).is_empty(), "{name}");
     }
-    let no_peers = run_of(run.runs[..1].to_vec());
+    let no_peers = run_of(record.rows[..1].to_vec());
     for name in ["seven_views_over_one", "all_layers_over_one", "fragments_beyond_centres_in_eye", "steps_over_hi_z"] {
         assert!(values(name, &no_peers).is_empty(), "{name}");
     }
@@ -405,29 +405,29 @@ fn views_and_layers_are_told_apart() {
 /// Rays lost by fewer views or layers are counted over their own sets, those outside of the views by the judge's cause.
 #[test]
 fn losses_by_views_and_layers() {
-    let mut run = run_of(views());
-    set_classes(&mut run.runs[3], "diffuse", [700, 0], 0.5);
-    close(value("one_view_false_misses_beyond", &run), in_a_million(700) / 5.0);
+    let mut record = run_of(views());
+    set_classes(&mut record.rows[3], "diffuse", [700, 0], 0.5);
+    close(value("one_view_false_misses_beyond", &record), in_a_million(700) / 5.0);
     // Mirrored and refracted rays alone count for layers.
-    set_classes(&mut run.runs[1], "diffuse", [9000, 0], 0.5);
-    close(value("one_layer_false_misses_beyond", &run), 0.0);
-    set_classes(&mut run.runs[1], "refraction", [60, 0], 0.5);
-    close(value("one_layer_false_misses_beyond", &run), in_a_million(60) / 2.0);
-    close(value("off_view_rays_of_six_faces", &run), 0.0);
-    let Judgement::Closest(closest) = &mut trace_of(&mut run.runs[2], "diffuse").judgement else { panic!() };
+    set_classes(&mut record.rows[1], "diffuse", [9000, 0], 0.5);
+    close(value("one_layer_false_misses_beyond", &record), 0.0);
+    set_classes(&mut record.rows[1], "refraction", [60, 0], 0.5);
+    close(value("one_layer_false_misses_beyond", &record), in_a_million(60) / 2.0);
+    close(value("off_view_rays_of_six_faces", &record), 0.0);
+    let Judgement::Closest(closest) = &mut trace_of(&mut record.rows[2], "diffuse").judgement else { panic!() };
     closest.causes.get_mut("tight").unwrap().insert("off_view".to_owned(), 10);
-    close(value("off_view_rays_of_six_faces", &run), in_a_million(10) / 5.0);
-    let mut cube = run.runs[2].clone();
+    close(value("off_view_rays_of_six_faces", &record), in_a_million(10) / 5.0);
+    let mut cube = record.rows[2].clone();
     "quadtree".clone_into(&mut cube.tracer.name);
     let Judgement::Closest(closest) = &mut trace_of(&mut cube, "diffuse").judgement else { panic!() };
     closest.causes.insert("tight".to_owned(), BTreeMap::from([("hidden_layer".to_owned(), 30)]));
-    assert!(values("hidden_rays_of_two_layers", &run).is_empty());
+    assert!(values("hidden_rays_of_two_layers", &record).is_empty());
     close(value("hidden_rays_of_two_layers", &run_of(vec![cube])), in_a_million(30) / 5.0);
-    assert!(values("views_asked_for_at_a_switch", &run).is_empty());
+    assert!(values("views_asked_for_at_a_switch", &record).is_empty());
     // The first of six faces is no switch: three views a ray are two switches, which ask for three.
     for (set, _) in SETS {
-        count(&mut run.runs[2], set, "views_entered", 3 * fixture::COUNT);
-        count(&mut run.runs[2], set, "views_tested", 9 * fixture::COUNT);
+        count(&mut record.rows[2], set, "views_entered", 3 * fixture::COUNT);
+        count(&mut record.rows[2], set, "views_tested", 9 * fixture::COUNT);
     }
-    close(value("views_asked_for_at_a_switch", &run), 1.5);
+    close(value("views_asked_for_at_a_switch", &record), 1.5);
 }

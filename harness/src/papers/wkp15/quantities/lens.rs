@@ -6,7 +6,7 @@ use crate::papers::quantity::{PERCENT, Quantity, greatest, of_scene, timed_of_sc
 use crate::papers::rows::{SceneRows, trace};
 use crate::papers::times::{ratio, traced};
 use crate::papers::wkp15::{DDA, QUADTREE, SAMPLES_A_RAY, one_and_two};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("dda_lead_with_build_over_without", "", lead_with_build_over_without),
@@ -26,7 +26,7 @@ fn of_count<'a>(scene: &SceneRows<'a>, count: &str, whole: bool) -> Option<Scene
 }
 
 /// Its tracer of so many layers and samples beside a ray.
-fn with<'a>(scene: &SceneRows<'a>, layers: &str, samples: &str) -> Option<&'a TracerRun> {
+fn with<'a>(scene: &SceneRows<'a>, layers: &str, samples: &str) -> Option<&'a Row> {
     scene.like_first(QUADTREE, &[("layers", layers), (SAMPLES_A_RAY, samples)])
 }
 
@@ -57,10 +57,10 @@ fn three_more_samples_cost(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Time of 32 rays a pixel over that of 8.
 fn rays_32_over_8(scene: &SceneRows<'_>) -> Option<Estimate> {
     let (many, few) = (of_count(scene, "32", false)?, of_count(scene, "8", false)?);
-    let same_size = |one: &TracerRun, other: &TracerRun| one.viewpoint.ray_image == other.viewpoint.ray_image;
+    let same_size = |one: &Row, other: &Row| one.viewpoint.ray_image == other.viewpoint.ray_image;
     of_both(|layers| {
         let (many, few) = (with(&many, layers, "0")?, with(&few, layers, "0")?);
-        same_size(many, few).then(|| ratio(scene.run, &traced(many, RAYS)?, &traced(few, RAYS)?))?
+        same_size(many, few).then(|| ratio(scene.record, &traced(many, RAYS)?, &traced(few, RAYS)?))?
     })
 }
 
@@ -69,7 +69,7 @@ fn half_the_rays_with_samples_save(scene: &SceneRows<'_>) -> Option<Estimate> {
     let (four, eight) = (of_count(scene, "4", true)?, of_count(scene, "8", true)?);
     of_both(|layers| {
         let (four, eight) = (with(&four, layers, "7")?, with(&eight, layers, "0")?);
-        ratio(scene.run, &traced(four, RAYS)?, &traced(eight, RAYS)?)
+        ratio(scene.record, &traced(four, RAYS)?, &traced(eight, RAYS)?)
     })
     .map(Estimate::percent_below)
 }

@@ -35,7 +35,7 @@ fn many_cameras_over_few(scene: &SceneRows<'_>) -> Option<Estimate> {
     let [many, few] = ["16", "4"].map(|cameras| row(&of_cameras(scene, cameras), &[("layers", "1")]));
     let (many, few) = (many?, few?);
     let same = trace(many, RAYS)?.count == trace(few, RAYS)?.count;
-    same.then(|| ratio(scene.run, &traced(many, RAYS)?, &traced(few, RAYS)?))?
+    same.then(|| ratio(scene.record, &traced(many, RAYS)?, &traced(few, RAYS)?))?
 }
 
 /// Rays a second in the hierarchy built on the device over those in the one built on the host.

@@ -12,7 +12,7 @@ use super::one_and_two;
 use crate::papers::Quantity;
 use crate::papers::estimate::Estimate;
 use crate::papers::rows::{SceneRows, counted, of_cause, per_ray};
-use crate::results::{TraceRecord, TracerRun};
+use crate::results::{Row, TraceRecord};
 
 /// All of them.
 pub(super) const QUANTITIES: &[&[Quantity]] = &[
@@ -78,6 +78,6 @@ fn second_layer(scene: &SceneRows<'_>, rays: &str) -> Option<Estimate> {
 }
 
 /// By how much less time one row takes than another, percent of the other's.
-fn saved(scene: &SceneRows<'_>, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
+fn saved(scene: &SceneRows<'_>, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
     scene.trace_ratio(one, other, rays).map(Estimate::percent_below)
 }

@@ -8,7 +8,7 @@ use crate::papers::rows::{MILLION, SceneRows, footprint, per_ray, trace};
 use crate::papers::times::{rank_correlation, traced};
 use crate::papers::wkp15::experiments::DETAILED;
 use crate::papers::wkp15::{DDA, FIELD, QUADTREE, one_and_two, row};
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("height_field_time_over_quadtree", "", height_field_time),
@@ -55,7 +55,7 @@ fn second_layer_time_where_detailed(scenes: &[SceneRows<'_>]) -> Option<Estimate
         let views = scene.by_resolution().into_iter().map(|at| second_layer(&at, "temporal"));
         Estimate::mean(views.collect::<Option<Vec<_>>>()?)
     };
-    let is_detailed = |scene: &&SceneRows<'_>| scene.runs.first().is_some_and(|run| run.scene.name == DETAILED);
+    let is_detailed = |scene: &&SceneRows<'_>| scene.rows.first().is_some_and(|row| row.scene.name == DETAILED);
     let detailed = of_scene(scenes.iter().find(is_detailed)?)?;
     let others = scenes.iter().filter(|scene| !is_detailed(scene)).filter_map(of_scene);
     Some(detailed / Estimate::greatest(others)?)
@@ -64,16 +64,16 @@ fn second_layer_time_where_detailed(scenes: &[SceneRows<'_>]) -> Option<Estimate
 /// How the time of a stereo ray in one layer is ranked by the nodes of the tree over the scenes.
 fn rank_of_time_by_nodes<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let point = |scene: &SceneRows<'a>| {
-        let run = row(scene, &[("layers", "1")])?;
-        let rays = trace(run, "stereo")?.count as f64;
-        Some((reachable(run)?, traced(run, "stereo")?.times(1.0 / rays)))
+        let row = row(scene, &[("layers", "1")])?;
+        let rays = trace(row, "stereo")?.count as f64;
+        Some((reachable(row)?, traced(row, "stereo")?.times(1.0 / rays)))
     };
-    rank_correlation(scenes.first()?.run, &scenes.iter().filter_map(point).collect::<Vec<_>>())
+    rank_correlation(scenes.first()?.record, &scenes.iter().filter_map(point).collect::<Vec<_>>())
 }
 
 /// What a stereo ray counts on the mean.
-fn a_ray(run: Option<&TracerRun>, counter: &str) -> Option<f64> {
-    per_ray(trace(run?, "stereo")?, counter)
+fn a_ray(row: Option<&Row>, counter: &str) -> Option<f64> {
+    per_ray(trace(row?, "stereo")?, counter)
 }
 
 /// Nodes that a stereo ray visits in one layer over the cells of the height field's pyramid.
@@ -84,7 +84,7 @@ fn nodes_over_height_field(scene: &SceneRows<'_>) -> Option<f64> {
 
 /// Boxes that a stereo ray is tested against on the mean, the more of one layer and of two.
 fn box_tests_a_ray(scene: &SceneRows<'_>) -> Option<f64> {
-    let rows = one_and_two(scene, QUADTREE)?.map(|run| a_ray(Some(run), BOXES));
+    let rows = one_and_two(scene, QUADTREE)?.map(|row| a_ray(Some(row), BOXES));
     greatest(rows.into_iter().flatten())
 }
 
@@ -96,7 +96,7 @@ fn rays_asking_second_layer(scene: &SceneRows<'_>) -> Option<f64> {
 
 /// Footprint agreement of stereo rays by DDA less that in the trees, of one layer and of two that which is farther from nothing.
 fn dda_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
-    let agreements = |tracer: &str| Some(one_and_two(scene, tracer)?.map(|run| footprint(trace(run, "stereo")?)));
+    let agreements = |tracer: &str| Some(one_and_two(scene, tracer)?.map(|row| footprint(trace(row, "stereo")?)));
     let (own, peers) = (agreements(QUADTREE)?, agreements(DDA)?);
     let changes = own.into_iter().zip(peers).filter_map(|(own, peer)| Some(peer? - own?));
     changes.max_by(|one, other| one.abs().total_cmp(&other.abs()))
@@ -104,6 +104,6 @@ fn dda_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
 
 /// Temporal rays in a million whose true hit the height field does not keep, the most over the views.
 fn height_field_hidden_rays(scene: &SceneRows<'_>) -> Option<f64> {
-    let share = |run: &TracerRun| Some(share_of_cause(trace(run, "temporal")?, HIDDEN_LAYER)? * MILLION);
+    let share = |row: &Row| Some(share_of_cause(trace(row, "temporal")?, HIDDEN_LAYER)? * MILLION);
     greatest(scene.of_tracer(FIELD).filter_map(share))
 }

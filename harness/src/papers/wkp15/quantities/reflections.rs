@@ -18,8 +18,8 @@ pub(in crate::papers::wkp15) const BOUNCES: [&str; 3] = ["glossy", "glossy2", "g
 /// Time of three bounces over that of the first, mean of one layer and two.
 fn three_bounces_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
     let of_layers = |layers: &str| {
-        let run = row(scene, &[("layers", layers)])?;
-        let [_, second, third] = BOUNCES.map(|rays| scene.set_ratio(run, rays, BOUNCES[0]));
+        let row = row(scene, &[("layers", layers)])?;
+        let [_, second, third] = BOUNCES.map(|rays| scene.set_ratio(row, rays, BOUNCES[0]));
         Some(second? + third? + 1.0)
     };
     Estimate::mean(["1", "2"].into_iter().map(of_layers).collect::<Option<Vec<_>>>()?)

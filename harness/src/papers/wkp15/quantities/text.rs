@@ -6,7 +6,7 @@ use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, least, of_scene, 
 use crate::papers::rows::{self, SceneRows, beyond, footprint, has, per_ray, trace};
 use crate::papers::times::{rank_correlation, ratio, traced};
 use crate::papers::wkp15::{DDA, QUADTREE, experiments, row};
-use crate::results::{Judgement, Timed, TracerRun};
+use crate::results::{Judgement, Row, Timed};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("traversal_without_stack_saves", PERCENT, without_stack_saves),
@@ -74,17 +74,17 @@ fn four_layers_over_three(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Time of drawing and building four layers over that of the rays of both eyes.
 fn build_of_four_layers_over_eyes(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let run = row(&near(scene), &[("layers", "4")])?;
-    ratio(scene.run, &Timed::steady_build(run), &traced(run, "stereo")?.times(2.0))
+    let row = row(&near(scene), &[("layers", "4")])?;
+    ratio(scene.record, &Timed::steady_build(row), &traced(row, "stereo")?.times(2.0))
 }
 
 /// The share of temporal rays that one layer misses wrongly and two do not, where the camera has moved farthest; nothing is inpainted.
 /// Of all second layers, by separation and back faces, the best.
 fn recovered_by_second_layer(scene: &SceneRows<'_>) -> Option<f64> {
     let scene = scene.of_rays(experiments::FARTHEST);
-    let misses = |run: &TracerRun| missed(trace(run, "temporal")?).map(|[_, missed]| missed as f64);
+    let misses = |row: &Row| missed(trace(row, "temporal")?).map(|[_, missed]| missed as f64);
     let one = misses(row(&scene, &[("layers", "1"), ("inpainting", "never")])?).filter(|missed| *missed > 0.0)?;
-    let two = scene.of_tracer(QUADTREE).filter(|run| has(run, "layers", "2")).filter_map(misses);
+    let two = scene.of_tracer(QUADTREE).filter(|row| has(row, "layers", "2")).filter_map(misses);
     least(two).map(|two| (one - two) / one)
 }
 
@@ -101,9 +101,9 @@ fn geometry_normals_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
 fn lossless_error_in_tolerances(scene: &SceneRows<'_>) -> Option<f64> {
     let scene = near(scene);
     let error = |normals: &str| {
-        let run = row(&scene, &[("gamma_norm", "0"), ("gamma_dist", "0"), ("normals", normals)])?;
-        let Judgement::Closest(closest) = &trace(run, "stereo")?.judgement else { return None };
-        Some(closest.position_error.p50? / (TIGHT * run.scene.diagonal))
+        let row = row(&scene, &[("gamma_norm", "0"), ("gamma_dist", "0"), ("normals", normals)])?;
+        let Judgement::Closest(closest) = &trace(row, "stereo")?.judgement else { return None };
+        Some(closest.position_error.p50? / (TIGHT * row.scene.diagonal))
     };
     least(["depth", "geometry"].into_iter().filter_map(error))
 }
@@ -145,7 +145,7 @@ fn nodes(scene: &SceneRows<'_>) -> Option<f64> {
 fn dda_time_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
     let more = growth(scene, samples)?;
     let [near, far] = ends(scene).map(|part| part.like_first(DDA, &[]));
-    let slower = ratio(scene.run, &traced(far?, "stereo")?, &traced(near?, "stereo")?)?;
+    let slower = ratio(scene.record, &traced(far?, "stereo")?, &traced(near?, "stereo")?)?;
     (more > 1.0).then(|| slower.rising(f64::ln) / more.ln())
 }
 
@@ -158,18 +158,18 @@ fn nodes_growth_over_samples(scene: &SceneRows<'_>) -> Option<f64> {
 fn displaced_over_near(scene: &SceneRows<'_>) -> Option<Estimate> {
     let [near, far] = ends(scene).map(|part| row(&part, &[("layers", "2")]));
     let (near, far) = (near?, far?);
-    of_both_sets(|rays| ratio(scene.run, &traced(far, rays)?, &traced(near, rays)?))
+    of_both_sets(|rays| ratio(scene.record, &traced(far, rays)?, &traced(near, rays)?))
 }
 
 /// How the time of a ray in two layers is ranked by the share of rays that go on to the second, over scenes, parts and ray sets.
 fn rank_of_time_by_second_layer<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let mut points = Vec::new();
     for part in scenes.iter().flat_map(|scene| scene.by_resolution()) {
-        let Some(run) = row(&part, &[("layers", "2")]) else { continue };
+        let Some(row) = row(&part, &[("layers", "2")]) else { continue };
         for rays in SETS {
-            let traced_rays = trace(run, rays)?;
-            points.push((share_asking_second(traced_rays)?, traced(run, rays)?.times(1.0 / traced_rays.count as f64)));
+            let traced_rays = trace(row, rays)?;
+            points.push((share_asking_second(traced_rays)?, traced(row, rays)?.times(1.0 / traced_rays.count as f64)));
         }
     }
-    rank_correlation(scenes.first()?.run, &points)
+    rank_correlation(scenes.first()?.record, &points)
 }

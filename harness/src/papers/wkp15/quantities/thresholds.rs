@@ -7,13 +7,13 @@ use crate::papers::quantity::{PERCENT, Quantity, least, of_scene, rank_correlati
 use crate::papers::rows::{SceneRows, footprint, trace};
 use crate::papers::times::{self, traced};
 use crate::papers::wkp15::row;
-use crate::results::TracerRun;
+use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("usual_thresholds_save", PERCENT, usual_thresholds_save),
     timed_of_scene("aggressive_thresholds_save", PERCENT, aggressive_thresholds_save),
     of_scene("aggressive_agreement_change", "", aggressive_agreement_change),
-    timed_of_scene("least_trend_over_thresholds", "", least_trend_over_thresholds),
+    timed_of_scene("min_trend_over_thresholds", "", min_trend_over_thresholds),
     timed_of_scene("growing_thresholds_save_in_views", PERCENT, growing_thresholds_save_in_views),
     timed_of_scene("growing_thresholds_save_in_lens", PERCENT, |scene| growing_thresholds_save(scene, "lens")),
     of_scene("growing_agreement_change", "", growing_agreement_change),
@@ -28,7 +28,7 @@ pub(in crate::papers::wkp15) fn with<'a>(
     angle: &str,
     distance: &str,
     grows: &str,
-) -> Option<&'a TracerRun> {
+) -> Option<&'a Row> {
     row(scene, &[("gamma_norm", angle), ("gamma_dist", distance), ("gamma_growth", grows)])
 }
 
@@ -38,14 +38,14 @@ pub(in crate::papers::wkp15) const FIXED: &str = "0";
 pub(in crate::papers::wkp15) const GROWING: &str = "16";
 
 /// The rows over distances and those over angles, as far as there are such.
-pub(in crate::papers::wkp15) fn over<'a>(scene: &SceneRows<'a>) -> [Vec<Option<&'a TracerRun>>; 2] {
+pub(in crate::papers::wkp15) fn over<'a>(scene: &SceneRows<'a>) -> [Vec<Option<&'a Row>>; 2] {
     [
         DISTANCES.iter().map(|distance| with(scene, ANGLES[0], distance, FIXED)).collect(),
         ANGLES.iter().map(|angle| with(scene, angle, DISTANCES[0], FIXED)).collect(),
     ]
 }
 
-fn lossless<'a>(scene: &SceneRows<'a>) -> Option<&'a TracerRun> {
+fn lossless<'a>(scene: &SceneRows<'a>) -> Option<&'a Row> {
     with(scene, "0", "0", FIXED)
 }
 
@@ -55,7 +55,7 @@ fn usual_thresholds_save(scene: &SceneRows<'_>) -> Option<Estimate> {
 }
 
 /// The largest thresholds of both kinds.
-fn aggressive<'a>(scene: &SceneRows<'a>) -> Option<&'a TracerRun> {
+fn aggressive<'a>(scene: &SceneRows<'a>) -> Option<&'a Row> {
     with(scene, ANGLES[4], DISTANCES[4], FIXED)
 }
 
@@ -70,18 +70,18 @@ fn aggressive_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// How nodes fall, time falls and wrong rays rise over either threshold, by ranks: the least of them all.
-fn least_trend_over_thresholds(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn min_trend_over_thresholds(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut trends = Vec::new();
     for rows in over(scene) {
-        let rows: Vec<&TracerRun> = rows.into_iter().collect::<Option<_>>()?;
-        let rising = |of: &dyn Fn(&TracerRun) -> Option<f64>| {
-            let points = rows.iter().enumerate().map(|(step, run)| Some([step as f64, of(run)?]));
+        let rows: Vec<&Row> = rows.into_iter().collect::<Option<_>>()?;
+        let rising = |of: &dyn Fn(&Row) -> Option<f64>| {
+            let points = rows.iter().enumerate().map(|(step, row)| Some([step as f64, of(row)?]));
             rank_correlation(&points.collect::<Option<Vec<_>>>()?).map(Estimate::from)
         };
-        trends.push(rising(&|run| reachable(run).map(|nodes| -nodes))?);
-        trends.push(rising(&|run| footprint(trace(run, "stereo")?).map(|agreement| -agreement))?);
-        let times = rows.iter().enumerate().map(|(step, run)| Some((-(step as f64), traced(run, "stereo")?)));
-        trends.push(times::rank_correlation(scene.run, &times.collect::<Option<Vec<_>>>()?)?);
+        trends.push(rising(&|row| reachable(row).map(|nodes| -nodes))?);
+        trends.push(rising(&|row| footprint(trace(row, "stereo")?).map(|agreement| -agreement))?);
+        let times = rows.iter().enumerate().map(|(step, row)| Some((-(step as f64), traced(row, "stereo")?)));
+        trends.push(times::rank_correlation(scene.record, &times.collect::<Option<Vec<_>>>()?)?);
     }
     Estimate::least(trends)
 }

@@ -11,9 +11,9 @@ use tracebench_api::Query;
 use super::PAPER;
 use crate::papers::PublishedTable;
 use crate::papers::fixture::{
-    self, COUNT, close, contender, count, in_a_million, run_of, set_bytes, set_classes, set_time, trace_of,
+    self, COUNT, close, config, count, in_a_million, run_of, set_bytes, set_classes, set_time, trace_of,
 };
-use crate::results::{Judgement, PhaseRecord, Run, TracerRun};
+use crate::results::{Judgement, PhaseRecord, Record, Row};
 
 const SETS: [(&str, Query); 8] = [
     ("stereo", Query::Closest),
@@ -26,12 +26,12 @@ const SETS: [(&str, Query); 8] = [
     ("light-field", Query::Closest),
 ];
 
-fn contends(tracer: &str, scene: &str, parameters: Value) -> TracerRun {
-    contender(tracer, scene, parameters, &[], &SETS)
+fn contends(tracer: &str, scene: &str, parameters: Value) -> Row {
+    config(tracer, scene, parameters, &[], &SETS)
 }
 
 /// The tracer with its values as published but for those given.
-fn quadtree(scene: &str, parameters: Value) -> TracerRun {
+fn quadtree(scene: &str, parameters: Value) -> Row {
     let mut all = json!({
         "layers": 1, "views": "frame", "normals": "depth", "levels": 9, "gamma_norm": 3.0, "gamma_dist": 1e-5, "gamma_growth": 0.0,
         "dilated": "continuous", "traversal": "xor", "next_layer": "volumes", "inpainting": "one_layer", "secondary_samples": 0,
@@ -44,23 +44,23 @@ fn quadtree(scene: &str, parameters: Value) -> TracerRun {
     contends("quadtree", scene, all)
 }
 
-fn values(name: &str, run: &Run) -> BTreeMap<String, f64> {
-    fixture::values(&PAPER, name, run)
+fn values(name: &str, record: &Record) -> BTreeMap<String, f64> {
+    fixture::values(&PAPER, name, record)
 }
 
-fn value(name: &str, run: &Run) -> f64 {
-    fixture::value(&PAPER, name, run)
+fn value(name: &str, record: &Record) -> f64 {
+    fixture::value(&PAPER, name, record)
 }
 
 /// Says something of a row's rays otherwise than of the run's.
-fn say(run: &mut TracerRun, said: &[(&str, f64)]) {
-    run.viewpoint.ray_parameters = said.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+fn say(row: &mut Row, said: &[(&str, f64)]) {
+    row.viewpoint.ray_parameters = said.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
 }
 
 /// Takes as long for every one of these sets.
-fn timed(mut run: TracerRun, sets: &[(&str, f64)]) -> TracerRun {
-    sets.iter().for_each(|(rays, ms)| set_time(&mut run, rays, *ms));
-    run
+fn timed(mut row: Row, sets: &[(&str, f64)]) -> Row {
+    sets.iter().for_each(|(rays, ms)| set_time(&mut row, rays, *ms));
+    row
 }
 
 /// Tables whose figures stood in a picture alone have none.
@@ -140,18 +140,18 @@ fn all_claims_are_there() {
 }
 
 /// Table 1: a scene at a scale, one layer and two; milliseconds of the trees, of drawing, of copies.
-fn table_1(scene: &str, scale: f64, ms: [f64; 3]) -> Vec<TracerRun> {
+fn table_1(scene: &str, scale: f64, ms: [f64; 3]) -> Vec<Row> {
     let make = |layers: u64| {
-        let mut run = quadtree(scene, json!({ "layers": layers }));
-        (run.scene.scale, run.scene.triangles) = (Some(scale), (1000.0 * scale) as u64);
-        run.scene.sha256 = format!("{scene} {scale}");
+        let mut row = quadtree(scene, json!({ "layers": layers }));
+        (row.scene.scale, row.scene.triangles) = (Some(scale), (1000.0 * scale) as u64);
+        row.scene.sha256 = format!("{scene} {scale}");
         let nodes = [("nodes", 1000), ("plane_leaves", 300), ("boxes", 80), ("empty_nodes", 20)];
-        run.structure_statistics =
+        row.structure_statistics =
             nodes.iter().map(|(name, count)| ((*name).to_owned(), (count * layers) as f64)).collect();
-        set_bytes(&mut run, &[("quad-tree nodes", 8000 * layers), ("depth layers", 7)]);
+        set_bytes(&mut row, &[("quad-tree nodes", 8000 * layers), ("depth layers", 7)]);
         let [trees, drawing, copies] = ms;
         set_phases(
-            &mut run,
+            &mut row,
             &[
                 ("draw layers", 0.75 * drawing),
                 ("name triangles", 0.25 * drawing * layers as f64),
@@ -160,19 +160,19 @@ fn table_1(scene: &str, scale: f64, ms: [f64; 3]) -> Vec<TracerRun> {
                 ("copies", copies),
             ],
         );
-        run
+        row
     };
     vec![make(1), make(2)]
 }
 
-fn set_phases(run: &mut TracerRun, phases: &[(&str, f64)]) {
-    let rounds = run.build.times.samples_ms.len();
+fn set_phases(row: &mut Row, phases: &[(&str, f64)]) {
+    let rounds = row.build.times.samples_ms.len();
     let phase = |(name, ms): &(&str, f64)| PhaseRecord {
         name: (*name).to_owned(),
         median_ms: *ms,
         samples_ms: vec![*ms; rounds],
     };
-    run.build.times.phases = phases.iter().map(phase).collect();
+    row.build.times.phases = phases.iter().map(phase).collect();
 }
 
 /// The construction is the tree's phases alone, over the triangles of a scene by name and of the one where it changes most; drawing and
@@ -181,9 +181,9 @@ fn set_phases(run: &mut TracerRun, phases: &[(&str, f64)]) {
 fn construction_is_held_against_triangles() {
     let all =
         [table_1("a", 1.0, [2.0, 9.0, 1.0]), table_1("a", 15.5, [2.2, 90.0, 5.0]), table_1("b", 1.0, [3.0, 9.0, 1.0])];
-    let run = run_of(all.concat());
-    close(value("tree_time_of_most_triangles_over_fewest", &run), 1.1);
-    let faster = run_of([&run.runs[..], &table_1("b", 15.5, [1.5, 9.0, 1.0])].concat());
+    let record = run_of(all.concat());
+    close(value("tree_time_of_most_triangles_over_fewest", &record), 1.1);
+    let faster = run_of([&record.rows[..], &table_1("b", 15.5, [1.5, 9.0, 1.0])].concat());
     close(value("tree_time_of_most_triangles_over_fewest", &faster), 0.5);
     assert!(values("tree_time_of_most_triangles_over_fewest", &run_of(table_1("a", 1.0, [2.0, 9.0, 1.0]))).is_empty());
     let one = run_of(table_1("a", 1.0, [2.0, 8.0, 1.0]));
@@ -191,22 +191,22 @@ fn construction_is_held_against_triangles() {
     close(value("drawing_two_layers_over_one", &one), 1.25);
     close(value("bytes_a_node", &one), 8.0);
     let mut larger = one.clone();
-    set_bytes(&mut larger.runs[1], &[("quad-tree nodes", 18_000)]);
+    set_bytes(&mut larger.rows[1], &[("quad-tree nodes", 18_000)]);
     close(value("bytes_a_node", &larger), 9.0);
 }
 
 /// Table 2 of a scene.
-fn table_2(scene: &str) -> Vec<TracerRun> {
+fn table_2(scene: &str) -> Vec<Row> {
     let row = |tracer: &str, layers: u64, ms: f64, footprint: f64, counters: &[(&str, u64)]| {
-        let mut run = match tracer {
+        let mut record = match tracer {
             "quadtree" => quadtree(scene, json!({ "layers": layers })),
             "screen-dda" => contends(tracer, scene, json!({ "layers": layers, "max_steps": 200 })),
             _ => contends(tracer, scene, json!({ "pyramid": "min-max" })),
         };
-        set_time(&mut run, "stereo", ms);
-        set_classes(&mut run, "stereo", [0, 0], footprint);
-        counters.iter().for_each(|(name, of_ray)| count(&mut run, "stereo", name, of_ray * COUNT));
-        run
+        set_time(&mut record, "stereo", ms);
+        set_classes(&mut record, "stereo", [0, 0], footprint);
+        counters.iter().for_each(|(name, of_ray)| count(&mut record, "stereo", name, of_ray * COUNT));
+        record
     };
     let mut rows = vec![
         row("quadtree", 1, 10.0, 0.95, &[("nodes_visited", 12), ("box_tests", 7)]),
@@ -222,17 +222,17 @@ fn table_2(scene: &str) -> Vec<TracerRun> {
 /// Peers stand beside as many layers, by time and by what they visit; without one of them there is no ratio.
 #[test]
 fn peers_stand_beside_as_many_layers() {
-    let run = run_of(table_2("a"));
-    close(value("height_field_time_over_quadtree", &run), 2.5);
-    close(value("dda_time_over_quadtree", &run), 5.0);
-    close(value("second_layer_time_in_stereo", &run), 1.2);
-    close(value("one_layer_time_over_two", &run), 10.0 / 12.0);
-    close(value("nodes_visited_over_height_field", &run), 0.75);
-    close(value("box_tests_a_ray", &run), 8.0);
-    close(value("rays_asking_second_layer", &run), 0.25);
+    let record = run_of(table_2("a"));
+    close(value("height_field_time_over_quadtree", &record), 2.5);
+    close(value("dda_time_over_quadtree", &record), 5.0);
+    close(value("second_layer_time_in_stereo", &record), 1.2);
+    close(value("one_layer_time_over_two", &record), 10.0 / 12.0);
+    close(value("nodes_visited_over_height_field", &record), 0.75);
+    close(value("box_tests_a_ray", &record), 8.0);
+    close(value("rays_asking_second_layer", &record), 0.25);
     // One layer loses 0.01, two gain 0.02.
-    close(value("dda_agreement_change", &run), 0.02);
-    let own = run_of(run.runs[..2].to_vec());
+    close(value("dda_agreement_change", &record), 0.02);
+    let own = run_of(record.rows[..2].to_vec());
     for name in [
         "height_field_time_over_quadtree",
         "dda_time_over_quadtree",
@@ -247,28 +247,28 @@ fn peers_stand_beside_as_many_layers() {
 #[test]
 fn time_is_ranked_by_nodes() {
     let scene = |name: &str, ms: f64, planes: f64| {
-        let mut run = timed(quadtree(name, json!({})), &[("stereo", ms)]);
+        let mut record = timed(quadtree(name, json!({})), &[("stereo", ms)]);
         let all = [("nodes", 9e9), ("plane_leaves", planes), ("boxes", 1.0), ("empty_nodes", 1.0)];
-        run.structure_statistics = all.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
-        run
+        record.structure_statistics = all.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
+        record
     };
-    let run = run_of(vec![scene("a", 1.0, 10.0), scene("b", 3.0, 30.0), scene("c", 2.0, 20.0)]);
-    close(value("rank_of_time_by_nodes", &run), 1.0);
-    let mut against = run.clone();
-    set_time(&mut against.runs[1], "stereo", 0.5);
+    let record = run_of(vec![scene("a", 1.0, 10.0), scene("b", 3.0, 30.0), scene("c", 2.0, 20.0)]);
+    close(value("rank_of_time_by_nodes", &record), 1.0);
+    let mut against = record.clone();
+    set_time(&mut against.rows[1], "stereo", 0.5);
     close(value("rank_of_time_by_nodes", &against), -1.0 / 3.0);
-    assert!(values("rank_of_time_by_nodes", &run_of(run.runs[..2].to_vec())).is_empty());
+    assert!(values("rank_of_time_by_nodes", &run_of(record.rows[..2].to_vec())).is_empty());
 }
 
 /// Table 5 of a scene: six faces of one layer and two, and the camera's view alone.
-fn table_5() -> Vec<TracerRun> {
+fn table_5() -> Vec<Row> {
     let row = |views: &str, layers: u64, ms: [f64; 3], off_view: u64| {
-        let mut run = quadtree("a", json!({ "views": views, "layers": layers }));
+        let mut record = quadtree("a", json!({ "views": views, "layers": layers }));
         for (rays, ms) in ["glossy", "glossy2", "glossy3"].into_iter().zip(ms) {
-            set_time(&mut run, rays, ms);
+            set_time(&mut record, rays, ms);
         }
-        set_cause(&mut run, "glossy", "off_view", off_view);
-        run
+        set_cause(&mut record, "glossy", "off_view", off_view);
+        record
     };
     vec![
         row("six", 1, [10.0, 5.0, 4.0], 1),
@@ -278,43 +278,43 @@ fn table_5() -> Vec<TracerRun> {
     ]
 }
 
-fn set_cause(run: &mut TracerRun, rays: &str, cause: &str, wrong: u64) {
-    let Judgement::Closest(closest) = &mut trace_of(run, rays).judgement else { panic!("{rays} is any-hit") };
+fn set_cause(row: &mut Row, rays: &str, cause: &str, wrong: u64) {
+    let Judgement::Closest(closest) = &mut trace_of(row, rays).judgement else { panic!("{rays} is any-hit") };
     closest.causes.insert("footprint".to_owned(), BTreeMap::from([(cause.to_owned(), wrong)]));
 }
 
 /// Bounces add up, in as many layers; what one view does not hold is counted beyond what six faces do not.
 #[test]
 fn bounces_add_up() {
-    let mut run = run_of(table_5());
+    let mut record = run_of(table_5());
     // 1.9 and 2.
-    close(value("three_bounces_over_one", &run), 1.95);
+    close(value("three_bounces_over_one", &record), 1.95);
     // 2, 2.4, 2.
-    close(value("second_layer_time_of_reflections", &run), (2.0 + 2.4 + 2.0) / 3.0);
-    run.runs.iter_mut().for_each(|one| one.traces.retain(|trace| trace.rays == "glossy"));
-    close(value("one_view_off_view_beyond_cube", &run), in_a_million(80));
-    assert!(values("three_bounces_over_one", &run).is_empty());
+    close(value("second_layer_time_of_reflections", &record), (2.0 + 2.4 + 2.0) / 3.0);
+    record.rows.iter_mut().for_each(|one| one.traces.retain(|trace| trace.rays == "glossy"));
+    close(value("one_view_off_view_beyond_cube", &record), in_a_million(80));
+    assert!(values("three_bounces_over_one", &record).is_empty());
 }
 
 /// Rows of Figures 14 and 15: angle, distance, growth, milliseconds of every set, reachable nodes, footprint agreement.
-fn at_threshold(angle: f64, distance: f64, growth: f64, ms: f64, nodes: f64, footprint: f64) -> TracerRun {
+fn at_threshold(angle: f64, distance: f64, growth: f64, ms: f64, nodes: f64, footprint: f64) -> Row {
     let parameters = json!({ "gamma_norm": angle, "gamma_dist": distance, "gamma_growth": growth });
-    let mut run = quadtree("a", parameters);
-    run.traces.retain(|trace| ["stereo", "temporal", "lens"].contains(&trace.rays.as_str()));
+    let mut row = quadtree("a", parameters);
+    row.traces.retain(|trace| ["stereo", "temporal", "lens"].contains(&trace.rays.as_str()));
     for rays in ["stereo", "temporal", "lens"] {
-        set_time(&mut run, rays, ms);
-        set_classes(&mut run, rays, [0, 0], footprint);
+        set_time(&mut row, rays, ms);
+        set_classes(&mut row, rays, [0, 0], footprint);
     }
-    set_phases(&mut run, &[("bottom level", 1.0), ("merge level 1", nodes)]);
+    set_phases(&mut row, &[("bottom level", 1.0), ("merge level 1", nodes)]);
     let all = [("nodes", 9e9), ("plane_leaves", nodes), ("boxes", 0.0), ("empty_nodes", 0.0)];
-    run.structure_statistics = all.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
-    run
+    row.structure_statistics = all.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
+    row
 }
 
 const DISTANCES: [f64; 5] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 const ANGLES: [f64; 5] = [3.0, 8.0, 14.0, 20.0, 25.0];
 
-fn figure_14() -> Vec<TracerRun> {
+fn figure_14() -> Vec<Row> {
     let step = |step: usize| (10.0 - step as f64, 900.0 - 100.0 * step as f64, 0.95 - 0.01 * step as f64);
     let over = |place: usize, angle: f64, distance: f64| {
         let (ms, nodes, footprint) = step(place);
@@ -328,21 +328,21 @@ fn figure_14() -> Vec<TracerRun> {
 /// What larger tolerances do is ranked over both, the least of what falls and what rises; gains are of time, over lossless thresholds.
 #[test]
 fn tolerances_are_traded() {
-    let run = run_of(figure_14());
-    close(value("least_trend_over_thresholds", &run), 1.0);
-    close(value("usual_thresholds_save", &run), 20.0);
-    close(value("rank_of_tree_time_by_nodes", &run), 41.0 / 45.0);
-    let mut slower = run.clone();
+    let record = run_of(figure_14());
+    close(value("min_trend_over_thresholds", &record), 1.0);
+    close(value("usual_thresholds_save", &record), 20.0);
+    close(value("rank_of_tree_time_by_nodes", &record), 41.0 / 45.0);
+    let mut slower = record.clone();
     // The second of the angles.
-    set_time(&mut slower.runs[5], "stereo", 11.0);
-    close(value("least_trend_over_thresholds", &slower), 0.8);
-    let few = run_of(run.runs[..5].to_vec());
-    for name in ["least_trend_over_thresholds", "usual_thresholds_save"] {
+    set_time(&mut slower.rows[5], "stereo", 11.0);
+    close(value("min_trend_over_thresholds", &slower), 0.8);
+    let few = run_of(record.rows[..5].to_vec());
+    for name in ["min_trend_over_thresholds", "usual_thresholds_save"] {
         assert!(values(name, &few).is_empty(), "{name}");
     }
 }
 
-/// Thresholds that grow are held against fixed ones of the same size, and the largest against lossless ones.
+/// Thresholds that grow are compared with fixed ones of the same size, and the largest against lossless ones.
 #[test]
 fn growing_thresholds_are_held_against_fixed_ones() {
     let mut rows = Vec::new();
@@ -352,14 +352,14 @@ fn growing_thresholds_are_held_against_fixed_ones() {
         rows.push(at_threshold(angle, distance, 16.0, 0.9 * ms, 1.0, footprint - 0.001 * place as f64));
     }
     rows.push(at_threshold(0.0, 0.0, 0.0, 12.0, 1.0, 0.96));
-    let mut run = run_of(rows);
-    set_time(&mut run.runs[1], "lens", 8.5);
-    close(value("growing_thresholds_save_in_views", &run), 10.0);
-    close(value("growing_thresholds_save_in_lens", &run), 15.0);
-    close(value("growing_agreement_change", &run), -0.004);
-    close(value("aggressive_thresholds_save", &run), 50.0);
-    close(value("aggressive_agreement_change", &run), -0.09);
-    let fixed = run_of(run.runs.iter().step_by(2).cloned().collect());
+    let mut record = run_of(rows);
+    set_time(&mut record.rows[1], "lens", 8.5);
+    close(value("growing_thresholds_save_in_views", &record), 10.0);
+    close(value("growing_thresholds_save_in_lens", &record), 15.0);
+    close(value("growing_agreement_change", &record), -0.004);
+    close(value("aggressive_thresholds_save", &record), 50.0);
+    close(value("aggressive_agreement_change", &record), -0.09);
+    let fixed = run_of(record.rows.iter().step_by(2).cloned().collect());
     for name in ["growing_thresholds_save_in_views", "growing_agreement_change"] {
         assert!(values(name, &fixed).is_empty(), "{name}");
     }

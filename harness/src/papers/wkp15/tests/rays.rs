@@ -5,10 +5,10 @@ use serde_json::json;
 use super::{contends, quadtree, say, set_cause, timed, value, values};
 use crate::papers::Rows;
 use crate::papers::fixture::{COUNT, close, count, in_a_million, run_of, set_build, set_classes, set_time, trace_of};
-use crate::results::{Judgement, Run, TracerRun};
+use crate::results::{Judgement, Record, Row};
 
 /// One layer and two of both marching methods, and the height field, in a part of Table 3.
-fn part_of_table_3(scene: &str, shift: f64, own: [f64; 2], temporal: [f64; 2]) -> Vec<TracerRun> {
+fn part_of_table_3(scene: &str, shift: f64, own: [f64; 2], temporal: [f64; 2]) -> Vec<Row> {
     let mut rows = Vec::new();
     for (layers, own, temporal) in [(1, own[0], temporal[0]), (2, own[1], temporal[1])] {
         rows.push(timed(quadtree(scene, json!({ "layers": layers })), &[("stereo", 10.0), ("temporal", own)]));
@@ -16,45 +16,45 @@ fn part_of_table_3(scene: &str, shift: f64, own: [f64; 2], temporal: [f64; 2]) -
         rows.push(timed(peer, &[("stereo", 50.0), ("temporal", temporal)]));
     }
     rows.push(contends("height-field", scene, json!({})));
-    rows.iter_mut().for_each(|run| say(run, &[("temporal_shift_s", shift)]));
+    rows.iter_mut().for_each(|row| say(row, &[("temporal_shift_s", shift)]));
     rows
 }
 
-/// Leads are taken part by part and then their mean; a second layer of the detailed scene is held against the costliest of the others.
+/// Leads are taken part by part and then their mean; a second layer of the detailed scene is compared with the costliest of the others.
 #[test]
 fn leads_are_of_every_view() {
     let scene = |name: &str, second: f64| {
         let near = part_of_table_3(name, 0.01, [10.0, 10.0 * second], [20.0, 20.0 * second]);
         [near, part_of_table_3(name, 0.02, [10.0, 10.0 * second], [40.0, 40.0 * second])].concat()
     };
-    let run = run_of(scene("a", 1.2));
+    let record = run_of(scene("a", 1.2));
     // 2 and 4 over 5.
-    close(value("dda_lead_in_temporal_over_stereo", &run), 0.6);
+    close(value("dda_lead_in_temporal_over_stereo", &record), 0.6);
     let all = run_of([scene("atrium", 1.2), scene("foliage", 1.8), scene("room", 1.1)].concat());
     close(value("second_layer_time_where_detailed", &all), 1.5);
-    assert!(values("second_layer_time_where_detailed", &run).is_empty());
-    let mut hidden = run.clone();
-    let is_field = |one: &&mut TracerRun| one.tracer.name == "height-field";
-    for (one, wrong) in hidden.runs.iter_mut().filter(is_field).zip([7, 9]) {
+    assert!(values("second_layer_time_where_detailed", &record).is_empty());
+    let mut hidden = record.clone();
+    let is_field = |one: &&mut Row| one.tracer.name == "height-field";
+    for (one, wrong) in hidden.rows.iter_mut().filter(is_field).zip([7, 9]) {
         set_cause(one, "temporal", "hidden_layer", wrong);
     }
     close(value("height_field_hidden_rays", &hidden), in_a_million(9));
 }
 
 /// A row of Table 4: so many rays a pixel and samples beside a ray, at a size of the image.
-fn through_lens(tracer: &str, layers: u64, rays: u64, samples: u64, size: [u32; 2], ms: f64) -> TracerRun {
-    let mut run = match tracer {
+fn through_lens(tracer: &str, layers: u64, rays: u64, samples: u64, size: [u32; 2], ms: f64) -> Row {
+    let mut row = match tracer {
         "quadtree" => quadtree("a", json!({ "layers": layers, "secondary_samples": samples })),
         _ => contends(tracer, "a", json!({ "layers": layers, "max_steps": 25 })),
     };
-    run.viewpoint.ray_image = size;
-    say(&mut run, &[("lens_count", rays as f64)]);
-    set_time(&mut run, "lens", ms);
-    set_build(&mut run, if tracer == "quadtree" { 30.0 } else { 20.0 });
-    run
+    row.viewpoint.ray_image = size;
+    say(&mut row, &[("lens_count", rays as f64)]);
+    set_time(&mut row, "lens", ms);
+    set_build(&mut row, if tracer == "quadtree" { 30.0 } else { 20.0 });
+    row
 }
 
-fn table_4() -> Vec<TracerRun> {
+fn table_4() -> Vec<Row> {
     let (whole, half) = ([512, 256], [256, 128]);
     let mut rows = Vec::new();
     for layers in [1, 2] {
@@ -71,19 +71,19 @@ fn table_4() -> Vec<TracerRun> {
 /// Rays a pixel are told by what was said of the rows' rays, many of them at half of each edge; builds eat what traces lead by.
 #[test]
 fn rays_through_a_lens_are_told_apart() {
-    let mut run = run_of(table_4());
-    close(value("three_more_samples_cost", &run), 20.0);
-    close(value("half_the_rays_with_samples_save", &run), 25.0);
-    close(value("rays_32_over_8", &run), 3.9);
+    let mut record = run_of(table_4());
+    close(value("three_more_samples_cost", &record), 20.0);
+    close(value("half_the_rays_with_samples_save", &record), 25.0);
+    close(value("rays_32_over_8", &record), 3.9);
     // With 4 rays 50 over 40 of 3, with 8 60 over 50 of 2.
-    close(value("dda_lead_with_build_over_without", &run), (1.25 / 3.0 + 1.2 / 2.0) / 2.0);
-    for one in run.runs.iter_mut().filter(|one| one.tracer.parameters["layers"] == 2) {
+    close(value("dda_lead_with_build_over_without", &record), (1.25 / 3.0 + 1.2 / 2.0) / 2.0);
+    for one in record.rows.iter_mut().filter(|one| one.tracer.parameters["layers"] == 2) {
         let most = one.viewpoint.ray_parameters["lens_count"] == 8.0;
         count(one, "lens", "hits_behind_layer_1", if most { COUNT / 8 } else { COUNT / 16 });
     }
-    close(value("lens_rays_behind_first_layer", &run), 0.125);
+    close(value("lens_rays_behind_first_layer", &record), 0.125);
     let few =
-        run_of(run.runs.iter().filter(|one| one.viewpoint.ray_parameters["lens_count"] == 4.0).cloned().collect());
+        run_of(record.rows.iter().filter(|one| one.viewpoint.ray_parameters["lens_count"] == 4.0).cloned().collect());
     for name in ["three_more_samples_cost", "half_the_rays_with_samples_save", "rays_32_over_8"] {
         assert!(values(name, &few).is_empty(), "{name}");
     }
@@ -94,28 +94,28 @@ fn rays_through_a_lens_are_told_apart() {
 fn parts_are_told_by_their_rays() {
     let mut rows = vec![quadtree("a", json!({ "layers": 1 })), quadtree("a", json!({ "layers": 2 }))];
     say(&mut rows[1], &[("light_field_cameras", 16.0)]);
-    let mut run = run_of(rows);
-    run.ray_parameters.insert("light_field_cameras".to_owned(), json!(4));
-    let rows = Rows::of(&run);
+    let mut record = run_of(rows);
+    record.ray_parameters.insert("light_field_cameras".to_owned(), json!(4));
+    let rows = Rows::of(&record);
     let scene = &rows.scenes[0];
     assert_eq!(scene.by_resolution().len(), 2);
-    let of = |cameras: &str| scene.of_rays(&[("light_field_cameras", cameras)]).runs.len();
+    let of = |cameras: &str| scene.of_rays(&[("light_field_cameras", cameras)]).rows.len();
     assert_eq!([of("4"), of("16"), of("8")], [1, 1, 0]);
     // A row is like the first of its own part alone.
     assert!(scene.like_first("quadtree", &[("layers", "2")]).is_none());
 }
 
-/// A light field is held against the fastest hierarchy, many cameras against few.
+/// A light field is compared with the fastest hierarchy, many cameras against few.
 #[test]
 fn light_fields_are_compared() {
     let row = |tracer: &str, cameras: f64, ms: f64| {
-        let run = match tracer {
+        let record = match tracer {
             "quadtree" => quadtree("a", json!({})),
             _ => contends(tracer, "a", json!({})),
         };
-        let mut run = timed(run, &[("light-field", ms)]);
-        say(&mut run, &[("light_field_cameras", cameras)]);
-        run
+        let mut record = timed(record, &[("light-field", ms)]);
+        say(&mut record, &[("light_field_cameras", cameras)]);
+        record
     };
     let rows = vec![
         row("quadtree", 4.0, 10.0),
@@ -124,20 +124,20 @@ fn light_fields_are_compared() {
         row("quadtree", 16.0, 11.0),
         row("bvh-gpu", 16.0, 1.0),
     ];
-    let mut run = run_of(rows);
-    close(value("hierarchy_time_over_quadtree", &run), 3.6);
-    close(value("many_cameras_time_over_few", &run), 1.1);
-    close(value("device_built_speed_over_host_built", &run), 0.9);
-    trace_of(&mut run.runs[3], "light-field").count += 1;
-    assert!(values("many_cameras_time_over_few", &run).is_empty());
+    let mut record = run_of(rows);
+    close(value("hierarchy_time_over_quadtree", &record), 3.6);
+    close(value("many_cameras_time_over_few", &record), 1.1);
+    close(value("device_built_speed_over_host_built", &record), 0.9);
+    trace_of(&mut record.rows[3], "light-field").count += 1;
+    assert!(values("many_cameras_time_over_few", &record).is_empty());
 }
 
 /// Rows of a part of the text's table, all with both ray sets.
-fn part_of_text(said: &[(&str, f64)], rows: Vec<TracerRun>) -> Vec<TracerRun> {
+fn part_of_text(said: &[(&str, f64)], rows: Vec<Row>) -> Vec<Row> {
     let mut rows = rows;
-    for run in &mut rows {
-        run.traces.retain(|trace| ["stereo", "temporal"].contains(&trace.rays.as_str()));
-        say(run, said);
+    for row in &mut rows {
+        row.traces.retain(|trace| ["stereo", "temporal"].contains(&trace.rays.as_str()));
+        say(row, said);
     }
     rows
 }
@@ -146,12 +146,12 @@ const NEAR: [(&str, f64); 2] = [("stereo_offset", 0.032), ("temporal_shift_s", 0
 const FARTHEST: [(&str, f64); 2] = [("stereo_offset", 0.512), ("temporal_shift_s", 1.0)];
 
 /// A row of it that takes as long for both sets.
-fn of_text(parameters: serde_json::Value, ms: f64) -> TracerRun {
+fn of_text(parameters: serde_json::Value, ms: f64) -> Row {
     timed(quadtree("a", parameters), &[("stereo", ms), ("temporal", ms)])
 }
 
 /// The first part: every row beside two layers as published.
-fn near() -> Vec<TracerRun> {
+fn near() -> Vec<Row> {
     let with = |name: &str, value: serde_json::Value, ms: f64| {
         let mut parameters = json!({ "layers": 2 });
         parameters[name] = value;
@@ -170,7 +170,7 @@ fn near() -> Vec<TracerRun> {
         timed(contends("screen-dda", "a", json!({ "layers": 1 })), &[("stereo", 20.0), ("temporal", 20.0)]),
     ];
     set_build(&mut rows[3], 63.0);
-    rows.iter_mut().for_each(|run| set_classes(run, "temporal", [0, 0], 0.9));
+    rows.iter_mut().for_each(|row| set_classes(row, "temporal", [0, 0], 0.9));
     for (row, missed, footprint) in [(0, 10, 0.95), (5, 10, 0.96), (6, 60, 0.95)] {
         set_classes(&mut rows[row], "stereo", [missed, 0], footprint);
     }
@@ -180,7 +180,7 @@ fn near() -> Vec<TracerRun> {
 }
 
 /// The last part: two layers by separation, one layer with its holes, DDA.
-fn farthest() -> Vec<TracerRun> {
+fn farthest() -> Vec<Row> {
     let mut rows = vec![
         of_text(json!({ "layers": 2 }), 25.0),
         of_text(json!({ "layers": 1 }), 12.0),
@@ -196,25 +196,25 @@ fn farthest() -> Vec<TracerRun> {
     part_of_text(&FARTHEST, rows)
 }
 
-fn text() -> Run {
+fn text() -> Record {
     run_of([near(), farthest()].concat())
 }
 
-/// What the first part varies is held against two layers as published.
+/// What the first part varies is compared with two layers as published.
 #[test]
 fn rows_are_held_against_two_layers() {
-    let mut run = text();
-    close(value("traversal_without_stack_saves", &run), 20.0);
-    close(value("four_layers_time_over_three", &run), 1.05);
-    close(value("all_layers_time_over_cascade", &run), 1.5);
-    close(value("two_levels_fewer_time_over_most", &run), 1.05);
-    close(value("build_of_four_layers_over_eyes", &run), 2.5);
-    close(value("geometry_normals_agreement_change", &run), 0.0);
-    close(value("undilated_false_misses_beyond", &run), in_a_million(50) / 2.0);
-    close(value("same_hits_with_stack", &run), 1.0);
-    close(value("same_hits_through_all_layers", &run), 1.0);
-    "other".clone_into(&mut trace_of(&mut run.runs[7], "stereo").hits_sha256);
-    close(value("same_hits_through_all_layers", &run), 0.5);
+    let mut record = text();
+    close(value("traversal_without_stack_saves", &record), 20.0);
+    close(value("four_layers_time_over_three", &record), 1.05);
+    close(value("all_layers_time_over_cascade", &record), 1.5);
+    close(value("two_levels_fewer_time_over_most", &record), 1.05);
+    close(value("build_of_four_layers_over_eyes", &record), 2.5);
+    close(value("geometry_normals_agreement_change", &record), 0.0);
+    close(value("undilated_false_misses_beyond", &record), in_a_million(50) / 2.0);
+    close(value("same_hits_with_stack", &record), 1.0);
+    close(value("same_hits_through_all_layers", &record), 1.0);
+    "other".clone_into(&mut trace_of(&mut record.rows[7], "stereo").hits_sha256);
+    close(value("same_hits_through_all_layers", &record), 0.5);
     let far = run_of(farthest());
     for name in ["traversal_without_stack_saves", "undilated_false_misses_beyond", "same_hits_with_stack"] {
         assert!(values(name, &far).is_empty(), "{name}");
@@ -226,11 +226,11 @@ fn rows_are_held_against_two_layers() {
 fn lossless_errors_are_in_tolerances() {
     let with = |normals: &str, tolerances: f64| {
         let parameters = json!({ "layers": 2, "gamma_norm": 0.0, "gamma_dist": 0.0, "normals": normals });
-        let mut run = of_text(parameters, 1.0);
-        let diagonal = run.scene.diagonal;
-        let Judgement::Closest(closest) = &mut trace_of(&mut run, "stereo").judgement else { panic!() };
+        let mut row = of_text(parameters, 1.0);
+        let diagonal = row.scene.diagonal;
+        let Judgement::Closest(closest) = &mut trace_of(&mut row, "stereo").judgement else { panic!() };
         closest.position_error.p50 = Some(tolerances * 1e-4 * diagonal);
-        run
+        row
     };
     let rows = vec![of_text(json!({ "layers": 2 }), 1.0), with("depth", 3.0), with("geometry", 0.5)];
     close(value("lossless_error_in_tolerances", &run_of(part_of_text(&NEAR, rows))), 0.5);
@@ -240,21 +240,21 @@ fn lossless_errors_are_in_tolerances() {
 /// with its holes the share that the best second layer finds.
 #[test]
 fn displacement_is_held_against_near() {
-    let mut run = text();
-    close(value("displaced_time_over_near", &run), 2.5);
+    let mut record = text();
+    close(value("displaced_time_over_near", &record), 2.5);
     // Four times as long for four times the samples.
-    close(value("dda_time_exponent_over_samples", &run), 1.0);
-    close(value("nodes_growth_over_samples", &run), 1.5 / 4.0);
-    close(value("recovered_by_second_layer", &run), 0.6);
-    let two = |one: &&mut TracerRun| one.tracer.parameters["layers"] == 2;
-    for one in run.runs.iter_mut().filter(two) {
+    close(value("dda_time_exponent_over_samples", &record), 1.0);
+    close(value("nodes_growth_over_samples", &record), 1.5 / 4.0);
+    close(value("recovered_by_second_layer", &record), 0.6);
+    let two = |one: &&mut Row| one.tracer.parameters["layers"] == 2;
+    for one in record.rows.iter_mut().filter(two) {
         for rays in ["stereo", "temporal"] {
             let part = if one.viewpoint.ray_parameters["stereo_offset"] == 0.032 { 20 } else { 5 };
             count(one, rays, "rays_asking_layer_2", COUNT / part);
         }
     }
     // Of four points two and two are alike in both.
-    close(value("rank_of_time_by_second_layer", &run), 4.0 / 6.0);
+    close(value("rank_of_time_by_second_layer", &record), 4.0 / 6.0);
     let first = run_of(near());
     for name in ["displaced_time_over_near", "nodes_growth_over_samples", "recovered_by_second_layer"] {
         assert!(values(name, &first).is_empty(), "{name}");

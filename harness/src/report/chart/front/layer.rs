@@ -5,7 +5,7 @@ use plotters::prelude::DrawingBackend;
 use super::{ARROW, CAP, FRONT_WIDTH, FrontFigure, HOLLOW, Mark, NAME_SIZE, ON_FRONT, OWN_WIDTH, Panel, line_round};
 use crate::report::chart::canvas::{Canvas, DrawError, Drawn, Figure, SCALE, to_svg};
 use crate::report::chart::palette::{Shape, hex};
-use crate::studies::pareto::{Amount, Cost, Standing};
+use crate::studies::pareto::{Amount, Cost, FrontStatus};
 
 /// A chart in two layers.
 #[derive(Debug)]
@@ -57,10 +57,10 @@ pub(in crate::report) struct PointMark {
     /// The arrow below it, as a path, if it is drawn at the bound.
     pub arrow: Option<String>,
     /// How it stands.
-    pub standing: Standing,
+    pub front_status: FrontStatus,
     /// What it costs as people read it.
     pub read: Amount,
-    /// By how much points are told apart: what it costs, and its error.
+    /// By how much points are distinguished: what it costs, and its error.
     pub spot: [f64; 2],
     /// Its name, where it has one beside it, and where that begins.
     pub name: Option<(String, (f64, f64))>,
@@ -84,7 +84,7 @@ impl Figure for Ground<'_> {
 
 impl FrontFigure {
     /// The chart in two layers.
-    pub(in crate::report::chart) fn layers(&self) -> Result<FrontLayers, DrawError> {
+    pub(in crate::report) fn layers(&self) -> Result<FrontLayers, DrawError> {
         let panels = self.panels.iter().enumerate().map(|(index, panel)| self.points_of(index, panel)).collect();
         Ok(FrontLayers {
             ground: to_svg(&Ground(self))?,
@@ -119,7 +119,7 @@ impl FrontFigure {
                 outline: (mark.style.shape != Shape::Circle).then(|| path(&mark.style.shape.corners(ON_FRONT)) + "z"),
                 bars,
                 arrow: mark.at_bound.then(arrow),
-                standing: mark.standing,
+                front_status: mark.front_status,
                 read: mark.x,
                 spot: [mark.cost, mark.y],
                 name: named.map(|name| (mark.name.clone(), name.place)),

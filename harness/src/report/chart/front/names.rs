@@ -3,7 +3,7 @@
 use super::{ARROW, FrontFigure, Mark, NAME_SIZE, ON_FRONT, Panel, line_round};
 use crate::report::chart::canvas::text_width;
 use crate::report::chart::frame::Rect;
-use crate::studies::pareto::Standing;
+use crate::studies::pareto::FrontStatus;
 
 /// Height of a line of names.
 const NAME_LINE: f64 = 12.0;
@@ -43,7 +43,7 @@ impl FrontFigure {
         let controls = panel.ground.controls.iter().flat_map(|(_, places)| places);
         let heights = controls.map(|(_, share)| y.at(*share));
         lines.extend(heights.map(|height| box_round((rect.left, height), (rect.right, height))));
-        let mut on: Vec<&Mark> = panel.marks.iter().filter(|mark| mark.standing == Standing::OnFront).collect();
+        let mut on: Vec<&Mark> = panel.marks.iter().filter(|mark| mark.front_status == FrontStatus::OnFront).collect();
         on.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(b.y.total_cmp(&a.y)));
         on.dedup_by(|next, before| next.name == before.name);
         let mut taken: Vec<[f64; 4]> = Vec::new();

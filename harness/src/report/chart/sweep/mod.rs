@@ -12,14 +12,14 @@ use super::palette::{INK, PLAIN, Shape, Style, Styles};
 use super::panel::Chart;
 use super::{LONGEST_VALUE, caption, cut, name_with_unit, panel_title, titles};
 use crate::report::sweep::{Curve, View};
-use crate::results::Run;
+use crate::results::Record;
 use crate::studies::sweep::RESOLUTION;
 use panels::{Rule, build, errors, errors_by, memory, rules, speed};
 
 const PLOT_HEIGHT: f64 = 190.0;
 
 /// The chart of a view.
-pub(in crate::report) fn chart(run: &Run, view: &View<'_>) -> Chart {
+pub(in crate::report) fn chart(record: &Record, view: &View<'_>) -> Chart {
     let rules = rules(view.set.query);
     let curve_styles = Styles::of_labels(view.curves.iter().map(curve_label));
     let rule_styles = Styles::of_labels(rules.iter().map(|(name, _)| (*name).to_owned()));
@@ -41,7 +41,7 @@ pub(in crate::report) fn chart(run: &Run, view: &View<'_>) -> Chart {
     } else {
         panels.extend(rules.iter().map(|rule| errors_by(view, &values, rule, &styles)));
     }
-    Chart { frame: frame(run, view, panels.len(), legend(view, &rules, &rule_styles, &curve_styles)), panels }
+    Chart { frame: frame(record, view, panels.len(), legend(view, &rules, &rule_styles, &curve_styles)), panels }
 }
 
 fn curve_label(curve: &Curve<'_>) -> String {
@@ -65,15 +65,15 @@ fn legend(view: &View<'_>, rules: &[Rule], rule_styles: &Styles, curve_styles: &
     }
 }
 
-fn frame(run: &Run, view: &View<'_>, panels: usize, legend: Vec<Entry>) -> Frame {
-    let what = match &run.sweep {
+fn frame(record: &Record, view: &View<'_>, panels: usize, legend: Vec<Entry>) -> Frame {
+    let what = match &record.sweep {
         Some(sweep) => format!("{} over {}", cut(&sweep.tracer, LONGEST_VALUE), cut(&view.axis.name, LONGEST_VALUE)),
         None => cut(&view.axis.name, LONGEST_VALUE),
     };
-    let [title, subtitle] = titles(&what, run, view.group);
-    let void = if subtitle.starts_with("VOID") { "VOID, CONTROLS FAIL: " } else { "" };
+    let [title, subtitle] = titles(&what, record, view.group);
+    let invalid = if subtitle.starts_with("VOID") { "VOID, CONTROLS FAIL: " } else { "" };
     let subtitle = format!(
-        "{void}{}; viewpoint {}; shaded column: the tracer's own value",
+        "{invalid}{}; viewpoint {}; shaded column: the tracer's own value",
         panel_title(view.set),
         cut(&view.group.viewpoint.name, LONGEST_VALUE)
     );
@@ -81,14 +81,14 @@ fn frame(run: &Run, view: &View<'_>, panels: usize, legend: Vec<Entry>) -> Frame
     key.push(Entry::new(Sample::Dashes, "control"));
     let bars = "95 % interval of the error, order-statistic intervals of the times";
     key.push(Entry::new(Sample::Bars, bars));
-    let others = others(run, view);
-    let caption = format!("{others}{}", caption(run, view.group));
+    let others = others(record, view);
+    let caption = format!("{others}{}", caption(record, view.group));
     Frame::in_columns(if panels > 4 { 3 } else { 2 }, PLOT_HEIGHT, panels, [title, subtitle], &caption, key, legend)
 }
 
 /// The parameters that are not along the axes.
-fn others(run: &Run, view: &View<'_>) -> String {
-    let point = run.sweep.as_ref().and_then(|sweep| sweep.points.first());
+fn others(record: &Record, view: &View<'_>) -> String {
+    let point = record.sweep.as_ref().and_then(|sweep| sweep.points.first());
     let along = |name: &str| name == view.axis.name || view.other.is_some_and(|other| other.name == name);
     let value = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let parameters = point.into_iter().flat_map(|point| &point.parameters).filter(|(name, _)| !along(name));

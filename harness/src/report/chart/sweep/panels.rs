@@ -11,7 +11,7 @@ use crate::report::format;
 use crate::report::group::Role;
 use crate::report::metrics::{self, BALANCED, BUILD_TIME, SPEED, STRUCTURE};
 use crate::report::sweep::{Cell, View};
-use crate::results::{Times, TraceRecord, TracerRun};
+use crate::results::{Row, Times, TraceRecord};
 
 /// Panels of values from zero up, unless they differ by more than this.
 const LINEAR_RATIO: f64 = 10.0;
@@ -26,9 +26,7 @@ pub(super) fn rules(query: Query) -> Vec<Rule> {
 
 /// How often answers are wrong by a rule.
 fn wrong(trace: &TraceRecord, (_, place): Rule) -> Option<Measured> {
-    let right = metrics::right_of(trace).get(place).copied()?;
-    let [low, high] = right.interval.unwrap_or([right.share?; 2]);
-    Some(Measured { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
+    Measured::wrong(metrics::right_of(trace).get(place)?)
 }
 
 /// A figure of each of a view's curves, which have so many styles, in the order of the axis.
@@ -36,9 +34,9 @@ fn curves(
     view: &View<'_>,
     styles: &[Style],
     hollow: bool,
-    figure: impl Fn(&TracerRun, &TraceRecord) -> Option<Measured>,
+    figure: impl Fn(&Row, &TraceRecord) -> Option<Measured>,
 ) -> Vec<Curve> {
-    let of = |cell: &Cell<'_>| cell.measured.and_then(|(run, trace)| figure(run, trace)).filter(Measured::is_finite);
+    let of = |cell: &Cell<'_>| cell.measured.and_then(|(row, trace)| figure(row, trace)).filter(Measured::is_finite);
     let all = view.curves.iter().zip(styles).enumerate().map(|(order, (curve, style))| {
         let cell = |value: &String| curve.cells.iter().find(|cell| cell.value == value);
         let at = view.axis.values.iter().map(|value| cell(value).and_then(of)).collect();
@@ -64,18 +62,18 @@ fn magnitudes(title: String, name: &str, values: &Values, curves: &[Curve]) -> P
 
 pub(super) fn memory(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel {
     let mib = |bytes: u64| Some(Measured::exact(bytes as f64 / f64::from(1 << 20)));
-    let mut all = curves(view, styles, true, |run, _| mib(metrics::used_bytes(run)));
-    all.extend(curves(view, styles, false, |run, _| mib(run.memory.structure_bytes)));
+    let mut all = curves(view, styles, true, |row, _| mib(metrics::used_bytes(row)));
+    all.extend(curves(view, styles, false, |row, _| mib(row.memory.structure_bytes)));
     magnitudes("structure's memory".to_owned(), &STRUCTURE.axis(), values, &all)
 }
 
 pub(super) fn build(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel {
-    let time = |run: &TracerRun| {
-        let Times { median_ms, interval_ms, samples_ms, .. } = run.build.first();
+    let time = |row: &Row| {
+        let Times { median_ms, interval_ms, samples_ms, .. } = row.build.first();
         (!samples_ms.is_empty()).then_some(Measured { value: *median_ms, interval: *interval_ms })
     };
-    let title = format!("build: {}", clock_names(view, |run, _| run.build.first().clock));
-    let all = curves(view, styles, false, |run, _| time(run));
+    let title = format!("build: {}", clock_names(view, |row, _| row.build.first().clock));
+    let all = curves(view, styles, false, |row, _| time(row));
     magnitudes(title, &BUILD_TIME.called("build").axis(), values, &all)
 }
 
@@ -90,9 +88,9 @@ pub(super) fn speed(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel
 }
 
 /// The clocks of what a panel shows.
-fn clock_names(view: &View<'_>, clock: impl Fn(&TracerRun, &TraceRecord) -> ClockKind) -> String {
+fn clock_names(view: &View<'_>, clock: impl Fn(&Row, &TraceRecord) -> ClockKind) -> String {
     let measured = view.curves.iter().flat_map(|curve| &curve.cells).filter_map(|cell| cell.measured);
-    let names = measured.map(|(run, trace)| format::clock(clock(run, trace))).unique().join(" / ");
+    let names = measured.map(|(row, trace)| format::clock(clock(row, trace))).unique().join(" / ");
     if names.is_empty() { "nothing timed".to_owned() } else { names }
 }
 
@@ -115,9 +113,9 @@ pub(super) fn errors_by(view: &View<'_>, values: &Values, rule: &Rule, styles: &
 
 fn error_panel(view: &View<'_>, values: &Values, title: String, of_controls: Option<&Rule>, all: &[Curve]) -> Panel {
     let mut controls: Vec<Control> = Vec::new();
-    for (_, run, trace) in view.group.traces(view.set).into_iter().filter(|(role, ..)| *role == Role::Control) {
+    for (_, row, trace) in view.group.traces(view.set).into_iter().filter(|(role, ..)| *role == Role::Control) {
         let Some(wrong) = of_controls.and_then(|rule| wrong(trace, *rule)) else { continue };
-        let control = level(run.label(), wrong.value);
+        let control = level(row.label(), wrong.value);
         // Points that were tried alone have controls of their own; they score the same.
         if !controls.contains(&control) {
             controls.push(control);

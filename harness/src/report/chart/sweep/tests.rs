@@ -12,12 +12,12 @@ use crate::report::sweep::views;
 use crate::results::Judgement;
 
 /// Draws every chart of a sweep, looks at each, and gives their names and SVGs.
-fn check(run: &Run) -> Vec<(String, String)> {
-    let groups = groups(run);
-    let record = run.sweep.as_ref().unwrap();
-    let charts = crate::report::sweep::report(run, record, &groups).charts;
-    let svgs = check_charts(&charts);
-    charts.into_iter().map(|(stem, _)| format!("{stem}.svg")).zip(svgs).collect()
+fn check(record: &Record) -> Vec<(String, String)> {
+    let groups = groups(record);
+    let section = record.sweep.as_ref().unwrap();
+    let report = crate::report::sweep::report(record, section, &groups);
+    let charts = || report.pages[0].1.charts();
+    charts().map(|(stem, _)| format!("{stem}.svg")).zip(check_charts(charts())).collect()
 }
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
@@ -28,8 +28,8 @@ const CLIPS: Swept = ("clip", "polygon", &["polygon", "plane"]);
 /// A chart for every axis and ray set, with every value, the clocks, the machine, and each rule where they differ.
 #[test]
 fn ordinary_sweeps() {
-    let run = sweep_run(&[BUCKETS, RESOLUTIONS, CLIPS], &SETS, false);
-    let drawn = check(&run);
+    let record = sweep_run(&[BUCKETS, RESOLUTIONS, CLIPS], &SETS, false);
+    let drawn = check(&record);
     assert_eq!(drawn.len(), 3 * 2);
     let svg = |name: &str| &drawn.iter().find(|(found, _)| found == name).unwrap().1;
     for wanted in ["hit_miss", "tight", "footprint", ">\n40\n", "device timestamps", "Example Processor", "always-hit"]
@@ -39,9 +39,9 @@ fn ordinary_sweeps() {
     assert!(svg("sweep_room_clip_ao.svg").contains("balanced accuracy"));
     assert!(!svg("sweep_room_clip_ao.svg").contains("skipped"));
     // The tracer's own value is the one that is shaded, and no line joins names.
-    let groups = groups(&run);
-    for view in views(run.sweep.as_ref().unwrap(), &groups) {
-        for panel in chart(&run, &view).panels {
+    let groups = groups(&record);
+    for view in views(record.sweep.as_ref().unwrap(), &groups) {
+        for panel in chart(&record, &view).panels {
             let Scale::Steps(names, Some(own)) = &panel.x.scale else { panic!("{panel:?}") };
             assert_eq!(names[*own], view.axis.own);
             assert_eq!(panel.marks.iter().any(|mark| matches!(mark, Mark::Line { .. })), view.axis.name != "clip");
@@ -52,18 +52,18 @@ fn ordinary_sweeps() {
 /// What was skipped is said in its place; a sweep of which nothing is left is drawn all the same.
 #[test]
 fn skipped_points() {
-    let mut run = sweep_run(&[BUCKETS], &SETS, false);
-    let gone = run.runs.pop().unwrap();
-    let sweep = run.sweep.as_mut().unwrap();
+    let mut record = sweep_run(&[BUCKETS], &SETS, false);
+    let gone = record.rows.pop().unwrap();
+    let sweep = record.sweep.as_mut().unwrap();
     let point = sweep.points.iter_mut().find(|point| point.is_of(&gone)).unwrap();
     point.skipped.insert(gone.scene.name.clone(), "too large".to_owned());
-    let drawn = check(&run);
+    let drawn = check(&record);
     // Once in each of four panels.
     assert!(drawn.iter().all(|(_, svg)| svg.matches("skipped").count() == 4));
     // One run stays, on a point that is not of the sweep: it is shown nowhere.
-    run.runs.truncate(1);
-    run.runs[0].viewpoint.face += 1;
-    assert!(check(&run).iter().all(|(_, svg)| svg.matches("nothing was measured").count() == 4));
+    record.rows.truncate(1);
+    record.rows[0].viewpoint.face += 1;
+    assert!(check(&record).iter().all(|(_, svg)| svg.matches("nothing was measured").count() == 4));
 }
 
 /// Combinations: a curve a value of the second parameter, a panel a rule.
@@ -84,21 +84,21 @@ fn long_names_and_many_values() {
     let long = "a most particular and very long value of it ".repeat(4);
     let longer = long.clone() + "again";
     let name = "a parameter with a very long name ".repeat(5);
-    let run = sweep_run(
+    let record = sweep_run(
         &[("buckets", "0", &many), (&name, &long, &[&long, &longer, "b"]), ("clip", "a", &["a"])],
         &SETS,
         false,
     );
-    assert_eq!(check(&run).len(), 3 * 2);
+    assert_eq!(check(&record).len(), 3 * 2);
     check(&sweep_run(&[("buckets", "0", &many), (&name, &long, &[&long, &longer])], &SETS, true));
 }
 
-/// Figures that no run should have, and a run of nothing but ties, which shows no speed.
+/// Figures that no run should have, and a run of nothing but ambiguous rays, which shows no speed.
 #[test]
 fn odd_figures() {
-    let mut run = sweep_run(&[BUCKETS], &SETS, false);
+    let mut record = sweep_run(&[BUCKETS], &SETS, false);
     let oddities = [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e300];
-    for (odd, one) in oddities.into_iter().zip(&mut run.runs) {
+    for (odd, one) in oddities.into_iter().zip(&mut record.rows) {
         one.build.times.median_ms = odd;
         one.build.times.interval_ms = [odd, odd];
         one.memory.structure_bytes = u64::MAX;
@@ -107,25 +107,25 @@ fn odd_figures() {
             trace.times.interval_ms = [odd, odd];
         }
     }
-    check(&run);
-    let mut ties = sweep_run(&[BUCKETS], &[("diffuse", Query::Closest)], false);
-    for trace in ties.runs.iter_mut().flat_map(|one| &mut one.traces) {
+    check(&record);
+    let mut ambiguous_rays = sweep_run(&[BUCKETS], &[("diffuse", Query::Closest)], false);
+    for trace in ambiguous_rays.rows.iter_mut().flat_map(|one| &mut one.traces) {
         if let Judgement::Closest(judgement) = &mut trace.judgement {
             (judgement.agreement, judgement.interval) = Default::default();
         }
     }
     // Neither errors nor speeds; memory and build are there.
-    assert_eq!(check(&ties)[0].1.matches("nothing was measured").count(), 2);
+    assert_eq!(check(&ambiguous_rays)[0].1.matches("nothing was measured").count(), 2);
 }
 
 /// Without a wrong ray, and with nothing but wrong ones.
 #[test]
 fn no_errors_and_nothing_but_errors() {
     for missed in [0.0, 1.0] {
-        let mut run = sweep_run(&[BUCKETS], &SETS, false);
+        let mut record = sweep_run(&[BUCKETS], &SETS, false);
         let quality = Quality { missed, blur: missed, speed: 3.0, clock: ClockKind::Host };
-        let other = fixture::run(&[("dirt", quality)], &SETS).runs.remove(0);
-        run.runs.iter_mut().for_each(|one| one.traces.clone_from(&other.traces));
-        check(&run);
+        let other = fixture::run(&[("dirt", quality)], &SETS).rows.remove(0);
+        record.rows.iter_mut().for_each(|one| one.traces.clone_from(&other.traces));
+        check(&record);
     }
 }

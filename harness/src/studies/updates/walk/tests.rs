@@ -1,8 +1,8 @@
 //! Walks of a tracer that the eye's moves leave valid, and of one that they do not.
 
 use tracebench_api::{
-    Counter, Description, EndPoint, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Ray, Status,
-    Structure, TraceJob, Tracer, TracerError, Viewpoint,
+    Counter, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Ray, Status, Structure, TraceJob, TraceTo,
+    Tracer, TracerDescription, TracerError, Viewpoint,
 };
 use tracebench_bvh::BvhCpu;
 
@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{Family, Registration};
 use crate::report;
-use crate::results::{Judgement, Sampling, TracerRun};
+use crate::results::{Judgement, Row, SampleSchedule};
 use crate::studies::updates::{Walker, execute, walkers};
 use crate::truth::Cache;
 
@@ -84,14 +84,14 @@ impl Structure for Looking {
     }
 }
 
-fn onlooker() -> Description {
+fn onlooker() -> TracerDescription {
     const BOTH: &[Invalidation] = &[Invalidation::Geometry, Invalidation::Viewpoint];
     let no_refit = Some("it has to look again");
-    Description { name: "onlooker", invalidated_by: BOTH, no_refit, ..tracebench_bvh::description() }
+    TracerDescription { name: "onlooker", invalidated_by: BOTH, no_refit, ..tracebench_bvh::description() }
 }
 
 /// Two frames after the first, through a scene that stands still and one that moves.
-fn walked() -> Run {
+fn frame_scene_sha256() -> Record {
     let bvh = Registration::analytic(tracebench_bvh::description, Family::Bvh, |_| Ok(Box::new(BvhCpu)));
     let onlooker = Registration::sampled(onlooker, Family::Image, |_| Ok(Box::new(Onlooker)));
     let smoke = RunPreset::named("smoke").unwrap();
@@ -100,11 +100,11 @@ fn walked() -> Run {
         tracers: [bvh, onlooker].map(|each| TracerRequest::of(&each, Preset::Published)).to_vec(),
         ray_sets: RAY_SETS[..1].to_vec(),
         ray_parameters: default_parameters(),
-        preset: RunPreset { ray_image: [16, 8], sampling: Sampling::rounds(2), ..smoke },
+        preset: RunPreset { ray_image: [16, 8], sampling: SampleSchedule::rounds(2), ..smoke },
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        end: EndPoint::Hit,
+        trace_to: TraceTo::Hit,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: Some("view-updates"),
     };
@@ -114,16 +114,18 @@ fn walked() -> Run {
     execute(table, &plan, 2, &Context::new(&none, &cache, &quiet, &journal)).unwrap()
 }
 
-fn agreement(row: &TracerRun) -> f64 {
+fn agreement(row: &Row) -> f64 {
     let Judgement::Closest(closest) = &row.traces[0].judgement else { panic!("they are closest hits") };
     closest.agreement.tight.unwrap()
 }
 
-fn rows<'a>(run: &'a Run, scene: &str, tracer: &str, way: &str) -> Vec<&'a TracerRun> {
-    let is = |row: &&TracerRun| {
-        row.scene.name == scene && row.tracer.name == tracer && row.way.as_ref().is_some_and(|of| of.name == way)
+fn rows<'a>(record: &'a Record, scene: &str, tracer: &str, update_mode: &str) -> Vec<&'a Row> {
+    let is = |row: &&Row| {
+        row.scene.name == scene
+            && row.tracer.name == tracer
+            && row.update_mode.as_ref().is_some_and(|of| of.name == update_mode)
     };
-    run.runs.iter().filter(is).collect()
+    record.rows.iter().filter(is).collect()
 }
 
 /// Proves that every frame has its own rays, the same for all ways; that what is reused where nothing invalidates it answers as what
@@ -131,45 +133,47 @@ fn rows<'a>(run: &'a Run, scene: &str, tracer: &str, way: &str) -> Vec<&'a Trace
 /// moves makes stale what the eye does not.
 #[test]
 fn frames_are_walked_through() {
-    let run = walked();
-    let updates = run.updates.as_ref().unwrap();
+    let record = frame_scene_sha256();
+    let updates = record.updates.as_ref().unwrap();
     assert_eq!((updates.frames, updates.passes, updates.scenes.len()), (2, 2, 2));
     for (scene, moves) in [("room", false), ("cloth", true)] {
         let followed = updates.scenes.iter().find(|each| each.scene == scene).unwrap();
-        assert_eq!(followed.walked.len(), 3);
-        assert_eq!(followed.walked[0] != followed.walked[1], moves);
-        let [reuse, refit, rebuild] = ["reuse", "refit", "rebuild"].map(|way| rows(&run, scene, "bvh-cpu", way));
+        assert_eq!(followed.frame_scene_sha256.len(), 3);
+        assert_eq!(followed.frame_scene_sha256[0] != followed.frame_scene_sha256[1], moves);
+        let [reuse, refit, rebuild] =
+            ["reuse", "refit", "rebuild"].map(|update_mode| rows(&record, scene, "bvh-cpu", update_mode));
         assert_eq!([reuse.len(), refit.len(), rebuild.len()], [2; 3], "{scene}");
-        let fresh = rows(&run, scene, "bvh-cpu", "fresh build");
+        let fresh = rows(&record, scene, "bvh-cpu", "fresh build");
         let mut rays = vec![&fresh[0].traces[0].rays_sha256];
         for frame in 0..2 {
-            let of = |row: &TracerRun| row.traces[0].rays_sha256.clone();
+            let of = |row: &Row| row.traces[0].rays_sha256.clone();
             assert_eq!([of(refit[frame]), of(rebuild[frame])], [of(reuse[frame]), of(reuse[frame])]);
             rays.push(&reuse[frame].traces[0].rays_sha256);
-            let hits = |row: &TracerRun| row.traces[0].hits_sha256.clone();
+            let hits = |row: &Row| row.traces[0].hits_sha256.clone();
             assert_eq!(hits(refit[frame]), hits(rebuild[frame]), "{scene}");
             assert_eq!(hits(reuse[frame]) == hits(rebuild[frame]), !moves, "{scene}");
             let stale: &[&str] = if moves { &["geometry"] } else { &[] };
-            assert_eq!(reuse[frame].way.as_ref().unwrap().stale_by, stale);
+            assert_eq!(reuse[frame].update_mode.as_ref().unwrap().stale_by, stale);
             let samples = [reuse[frame], refit[frame], rebuild[frame]].map(|row| row.build.times.samples_ms.len());
             assert_eq!(samples, [0, 2, 2]);
-            let whole = |row: &TracerRun| [&row.build.first, &row.build.steady].map(|whole| whole.is_some());
+            let whole = |row: &Row| [&row.build.first, &row.build.steady].map(|whole| whole.is_some());
             assert_eq!(
                 [reuse[frame], refit[frame], rebuild[frame]].map(whole),
                 [[false; 2], [false, true], [false, true]]
             );
             assert!(agreement(rebuild[frame]) > 0.99);
-            let [reused, rebuilt] = ["reuse", "rebuild"].map(|way| rows(&run, scene, "onlooker", way)[frame]);
-            assert!(reused.way.as_ref().unwrap().stale_by.contains(&"viewpoint".to_owned()));
-            assert!(rebuilt.way.as_ref().unwrap().stale_by.is_empty());
+            let [reused, rebuilt] =
+                ["reuse", "rebuild"].map(|update_mode| rows(&record, scene, "onlooker", update_mode)[frame]);
+            assert!(reused.update_mode.as_ref().unwrap().stale_by.contains(&"viewpoint".to_owned()));
+            assert!(rebuilt.update_mode.as_ref().unwrap().stale_by.is_empty());
             assert!(agreement(reused) < 0.5 && agreement(rebuilt) > 0.99, "{scene} {}", agreement(reused));
         }
         rays.sort_unstable();
         rays.dedup();
         assert_eq!(rays.len(), 3, "{scene}: the same rays at two frames");
-        assert!(rows(&run, scene, "onlooker", "refit").is_empty());
+        assert!(rows(&record, scene, "onlooker", "refit").is_empty());
     }
-    let said: Vec<_> = run.skipped.iter().map(|each| (each.tracer.as_deref(), each.reason.as_str())).collect();
+    let said: Vec<_> = record.skipped.iter().map(|each| (each.tracer.as_deref(), each.reason.as_str())).collect();
     // Once a scene, not once a frame.
     assert_eq!(said.len(), 2, "{said:?}");
     assert!(said.iter().all(|(tracer, reason)| *tracer == Some("onlooker (refit)") && reason.contains("look again")));
@@ -179,43 +183,54 @@ fn frames_are_walked_through() {
 /// which could not be measured leaves none, and that the page and the rows show walks, what is stale marked.
 #[test]
 fn all_frames_are_summed_and_shown() {
-    let mut run = walked();
-    let scene = run.updates.as_ref().unwrap().scenes[0].clone();
-    let find = |walkers: &[Walker<'_>], tracer: &str, way: &str| -> (f64, Vec<String>) {
-        let of = |walker: &&Walker<'_>| walker.way == way && walker.frames[0].unwrap().0.tracer.name == tracer;
+    let mut record = frame_scene_sha256();
+    let scene = record.updates.as_ref().unwrap().scenes[0].clone();
+    let find = |walkers: &[Walker<'_>], tracer: &str, update_mode: &str| -> (f64, Vec<String>) {
+        let of = |walker: &&Walker<'_>| {
+            walker.update_mode == update_mode && walker.frames[0].unwrap().0.tracer.name == tracer
+        };
         let walker = walkers.iter().find(of).unwrap();
         (walker.total().unwrap().ms, walker.stale_by.iter().map(|&change| change.to_owned()).collect())
     };
-    let summed = |way: &str, updated: bool| -> f64 {
-        let fresh = rows(&run, "room", "bvh-cpu", "fresh build")[0];
-        let later = rows(&run, "room", "bvh-cpu", way);
-        let update = |row: &TracerRun| if updated { row.build.steady.as_ref().unwrap().median_ms } else { 0.0 };
+    let summed = |update_mode: &str, updated: bool| -> f64 {
+        let fresh = rows(&record, "room", "bvh-cpu", "fresh build")[0];
+        let later = rows(&record, "room", "bvh-cpu", update_mode);
+        let update = |row: &Row| if updated { row.build.steady.as_ref().unwrap().median_ms } else { 0.0 };
         let each = later.iter().map(|row| update(row) + row.traces[0].times.median_ms);
         fresh.build.first.as_ref().unwrap().median_ms + fresh.traces[0].times.median_ms + each.sum::<f64>()
     };
-    let all = walkers(&run, &scene, "primary");
+    let all = walkers(&record, &scene, "primary");
     assert_eq!(all.len(), 5);
-    for (way, updated) in [("reuse", false), ("refit", true), ("rebuild", true)] {
-        let (ms, stale) = find(&all, "bvh-cpu", way);
-        assert!((ms / summed(way, updated) - 1.0).abs() < 1e-9 && stale.is_empty(), "{way}");
+    for (update_mode, updated) in [("reuse", false), ("refit", true), ("rebuild", true)] {
+        let (ms, stale) = find(&all, "bvh-cpu", update_mode);
+        assert!((ms / summed(update_mode, updated) - 1.0).abs() < 1e-9 && stale.is_empty(), "{update_mode}");
     }
     assert_eq!(find(&all, "onlooker", "reuse").1, ["viewpoint"]);
-    let files = report::of_updates(&run).unwrap().contents().unwrap();
-    let text = |end: &str| {
-        let (_, contents) = files.iter().find(|(name, _)| name == &format!("table_view_updates.{end}")).unwrap();
+    let files = report::of_updates(&record).unwrap().contents().unwrap();
+    let text = |wanted: &str| {
+        let (_, contents) = files.iter().find(|(name, _)| name == wanted).unwrap();
         String::from_utf8(contents.clone()).unwrap()
     };
-    let page = text("md");
+    let page = text("table_view_updates.md");
     assert!(page.contains("| onlooker | reuse (**stale**: moved viewpoint) |"), "{page}");
     assert!(page.contains("| bvh-cpu | reuse |") && page.contains("| bvh-cpu | reuse (**stale**: moved geometry) |"));
-    // Two scenes, five ways, three frames.
-    assert_eq!(text("csv").lines().count(), 1 + 2 * 5 * 3);
-    let lost = run.runs.iter().position(|row| {
-        row.scene.name == "room" && row.way.as_ref().is_some_and(|way| way.name == "rebuild" && way.frame == Some(1))
+    // Two scenes, five ways, two frames after the first, which ways share.
+    let table = text("rows.csv");
+    let mut table = csv::Reader::from_reader(table.as_bytes());
+    let place = table.headers().unwrap().iter().position(|name| name == "all_frames_ms").unwrap();
+    let told: Vec<f64> = table.records().filter_map(|row| row.unwrap()[place].parse().ok()).collect();
+    assert_eq!(told.len(), 2 * 5 * 2);
+    assert!(told.contains(&find(&all, "bvh-cpu", "refit").0), "{told:?}");
+    let lost = record.rows.iter().position(|row| {
+        row.scene.name == "room"
+            && row
+                .update_mode
+                .as_ref()
+                .is_some_and(|update_mode| update_mode.name == "rebuild" && update_mode.frame_index == Some(1))
     });
-    run.runs.remove(lost.unwrap());
-    let all = walkers(&run, &scene, "primary");
-    let rebuilt = all.iter().find(|walker| walker.way == "rebuild").unwrap();
+    record.rows.remove(lost.unwrap());
+    let all = walkers(&record, &scene, "primary");
+    let rebuilt = all.iter().find(|walker| walker.update_mode == "rebuild").unwrap();
     assert!(rebuilt.total().is_none() && rebuilt.frames[1].is_none());
 }
 

@@ -1,0 +1,469 @@
+//! The interleaved set: configurations and controls of one resident batch in one place, sampled in rounds; here what they build.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use tracebench_api::{Residency, Timing, TracerError, Update, Viewpoint};
+
+use super::controls::Control;
+use super::following::UPDATES;
+use super::kernels::{Kernels, Side};
+use super::records;
+use super::rounds::Rounds;
+use super::session::{Session, SessionError};
+use super::workload::{AnimationFrames, MeasureOptions, Refusal, Request};
+use super::{BuildSample, RunError, TracerConfig, sound};
+use crate::plan::{Resolution, TracerRequest};
+use crate::progress::Progress;
+use crate::results::{BuildRecord, ClockTicks, InterleavedSetRecord, MemoryRecord, SampleSchedule};
+
+/// A validation that takes longer is told of, where bars do not show: it is the only work that grows with what is stored.
+const LONG_VALIDATION: Duration = Duration::from_secs(2);
+
+/// The interleaved set of structures that are built.
+const BUILDS: &str = "builds";
+
+/// A structure with the configuration that builds it. Several participants trace it where they differ in trace parameters alone.
+pub(super) struct StructureSlot {
+    pub config: TracerConfig,
+    /// What it builds from: the session's viewpoint, at a resolution of its own if it has one.
+    pub viewpoint: Viewpoint,
+    /// How it follows an animation, if it does.
+    pub follows: Option<Update>,
+    /// Counted samples of its builds, or of its updates.
+    pub builds: BuildSamples,
+    statistics: BTreeMap<String, f64>,
+}
+
+/// Counted samples of what a structure takes, by round.
+#[derive(Default)]
+pub(super) struct BuildSamples {
+    /// Phases of first builds, or of updates.
+    pub phases: Vec<Timing>,
+    /// First builds; none of what follows an animation.
+    pub first: Vec<Timing>,
+    /// Steady builds, or updates.
+    pub steady: Vec<Timing>,
+}
+
+impl BuildSamples {
+    pub fn push_first(&mut self, sample: BuildSample) {
+        self.phases.push(sample.phases);
+        self.first.push(sample.whole);
+    }
+
+    pub fn push_update(&mut self, sample: BuildSample) {
+        self.phases.push(sample.phases);
+        self.steady.push(sample.whole);
+    }
+}
+
+/// One who traces: a control, or a configuration that was asked for.
+pub(super) struct Participant {
+    /// None of a control.
+    pub request: Option<TracerRequest>,
+    pub control: Option<Control>,
+    slot: usize,
+    /// How often it traces in one sample.
+    pub repeats: usize,
+    /// What took it out of the interleaved set.
+    pub out: Option<Refusal>,
+}
+
+impl Participant {
+    /// Its name in records.
+    pub fn label(&self) -> String {
+        match (&self.request, self.control) {
+            (Some(request), _) => records::request_record(request).label(),
+            (None, Some(control)) => control.description().name.to_owned(),
+            (None, None) => String::new(),
+        }
+    }
+}
+
+/// What came of one participant in one interleaved set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Outcome<T> {
+    /// It was measured.
+    Measured(T),
+    /// It was taken out.
+    Out(Refusal),
+    /// It had been taken out before.
+    Absent,
+}
+
+/// What was found out about a structure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Built {
+    pub memory: MemoryRecord,
+    pub structure_statistics: BTreeMap<String, f64>,
+    pub build: BuildRecord,
+}
+
+/// What the interleaved set of the structures gave.
+pub(crate) struct Structures {
+    /// By participant; times name their interleaved set by its place here.
+    pub outcomes: Vec<Outcome<Built>>,
+    pub interleaved_sets: Vec<InterleavedSetRecord>,
+}
+
+/// Where an interleaved set is run.
+#[derive(Clone)]
+pub(crate) struct Setting<'a> {
+    pub scene: String,
+    pub viewpoint: String,
+    pub resident_batch: u32,
+    /// None where nothing is timed.
+    pub kernels: Option<&'a Kernels>,
+    /// Tells interleaved sets of the same from one another.
+    pub turn: usize,
+}
+
+/// One resident batch in one place.
+pub(crate) struct InterleavedSet<'a> {
+    pub(super) session: &'a Session,
+    pub(super) film: Option<&'a AnimationFrames>,
+    pub(super) options: MeasureOptions,
+    pub(super) progress: &'a Progress,
+    pub(super) setting: Setting<'a>,
+    pub(super) slots: Vec<StructureSlot>,
+    pub(super) participants: Vec<Participant>,
+}
+
+impl<'a> InterleavedSet<'a> {
+    /// An interleaved set with the controls in its first participants.
+    pub fn new(
+        session: &'a Session,
+        film: Option<&'a AnimationFrames>,
+        options: MeasureOptions,
+        progress: &'a Progress,
+        setting: Setting<'a>,
+    ) -> Self {
+        let mut interleaved_set =
+            Self { session, film, options, progress, setting, slots: Vec::new(), participants: Vec::new() };
+        for (control, config) in session.controls() {
+            interleaved_set.enter(config, None, Some(control));
+        }
+        interleaved_set
+    }
+
+    /// Lets a configuration take part, in a stall of its own.
+    pub fn enter(&mut self, config: TracerConfig, request: Option<&Request>, control: Option<Control>) {
+        let viewpoint = match request.and_then(|request| request.tracer.resolution) {
+            Some(Resolution { frame, face }) => Viewpoint { frame, face, ..*self.session.viewpoint() },
+            None => *self.session.viewpoint(),
+        };
+        let follows = request.and_then(|request| request.follows);
+        self.slots.push(StructureSlot {
+            config,
+            viewpoint,
+            follows,
+            builds: BuildSamples::default(),
+            statistics: BTreeMap::new(),
+        });
+        self.join(request.map(|request| &request.tracer), control);
+    }
+
+    /// Lets another one trace the structure of the last stall.
+    pub fn join(&mut self, request: Option<&TracerRequest>, control: Option<Control>) {
+        self.participants.push(Participant {
+            request: request.cloned(),
+            control,
+            slot: self.slots.len() - 1,
+            repeats: 1,
+            out: None,
+        });
+    }
+
+    /// Takes a participant out.
+    pub fn take_out(&mut self, participant: usize, refusal: Refusal) {
+        self.participants[participant].out.get_or_insert(refusal);
+    }
+
+    /// Whether any participant of a stall is still in.
+    fn is_in(&self, slot: usize) -> bool {
+        self.participants.iter().any(|participant| participant.slot == slot && participant.out.is_none())
+    }
+
+    /// Does something with a stall unless it has failed before; a failure takes its participants out.
+    pub(super) fn attempt<R>(
+        &mut self,
+        slot: usize,
+        work: impl FnOnce(&mut StructureSlot) -> Result<R, TracerError>,
+    ) -> Option<R> {
+        if !self.is_in(slot) {
+            return None;
+        }
+        let refusal = match work(&mut self.slots[slot]) {
+            Ok(done) => return Some(done),
+            Err(error) => Refusal::of(&error, true),
+        };
+        for participant in self.participants.iter_mut().filter(|participant| participant.slot == slot) {
+            participant.out.get_or_insert_with(|| refusal.clone());
+        }
+        None
+    }
+
+    /// What sampling depends on; none where nothing is timed.
+    fn sampling(&self) -> Option<SampleSchedule> {
+        self.options.timed.then_some(self.options.sampling)
+    }
+
+    /// The seed of the orders of an interleaved set, a number that JSON holds exactly.
+    pub(super) fn order_seed(&self, work: &str, attempt: usize) -> u64 {
+        let Setting { scene, viewpoint, resident_batch, turn, .. } = &self.setting;
+        let words = format!("{} {scene} {viewpoint} {resident_batch} {work} {turn} {attempt}", self.options.seed);
+        u64::from_str_radix(&crate::hash::sha256_of(words.as_bytes())[..13], 16).unwrap_or_default()
+    }
+
+    /// Rounds of so many participants, with the fixed kernels of the clocks that they are timed by.
+    pub(super) fn rounds(
+        &self,
+        seed: u64,
+        participants: usize,
+        slots: impl Iterator<Item = usize> + Clone,
+        sampling: Option<SampleSchedule>,
+    ) -> Rounds<'a> {
+        let on = |slot: usize| match self.slots[slot].config.description.residency {
+            Residency::Host => Side::Host,
+            Residency::Device => Side::Device,
+        };
+        let kernels = self.setting.kernels.filter(|_| sampling.is_some());
+        let sides = [Side::Host, Side::Device].into_iter().filter(|side| slots.clone().any(|slot| on(slot) == *side));
+        let kernels: Vec<(Side, &Kernels)> =
+            sides.filter_map(|side| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
+        Rounds::new(sampling, seed, participants, &kernels)
+    }
+
+    /// The ticks of its clocks; none where nothing is timed.
+    pub(super) fn ticks(&self) -> Option<ClockTicks> {
+        self.setting.kernels.map(|kernels| kernels.ticks)
+    }
+
+    /// The record of an interleaved set; none where nothing was timed.
+    pub(super) fn record(
+        &self,
+        work: &str,
+        seed: u64,
+        rounds: &Rounds<'_>,
+        participants: Vec<String>,
+    ) -> Option<InterleavedSetRecord> {
+        let Setting { scene, viewpoint, resident_batch, .. } = self.setting.clone();
+        let kernels = rounds.kernels();
+        Some(InterleavedSetRecord {
+            scene,
+            viewpoint,
+            resident_batch,
+            work: work.to_owned(),
+            participants,
+            order_seed: seed,
+            orders: rounds
+                .orders
+                .iter()
+                .map(|order| order.iter().map(|participant| *participant as u32).collect())
+                .collect(),
+            each_round: match work {
+                BUILDS => "first builds, each with a rebuild behind it",
+                UPDATES => "the next frame",
+                _ => "the same rays",
+            }
+            .to_owned(),
+            warm_up_rounds: 1,
+            sampling: rounds.sampling?,
+            stop_reason: rounds.stop_reason,
+            sampled_s: rounds.sampled_s,
+            widest_interval: rounds.widest_interval,
+            drift: kernels.iter().any(|kernel| kernel.drifts),
+            clock_ticks: self.ticks(),
+            kernels,
+            doubled_work: Vec::new(),
+            repeated_because: None,
+        })
+    }
+
+    /// A stall in words: the first participant that traces it.
+    pub(super) fn slot_label(&self, slot: usize) -> String {
+        self.participants
+            .iter()
+            .find(|participant| participant.slot == slot)
+            .map_or_else(String::new, Participant::label)
+    }
+
+    /// Stalls of configurations: controls build nothing that is worth a look.
+    fn is_tracer(&self, slot: usize) -> bool {
+        self.participants.iter().any(|participant| participant.slot == slot && participant.control.is_none())
+    }
+
+    /// The stalls of configurations that are in, once for each who traces them.
+    pub(super) fn configs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.participants
+            .iter()
+            .filter(|participant| participant.control.is_none() && participant.out.is_none())
+            .map(|participant| participant.slot)
+    }
+
+    /// Builds everything, or lets it follow the film, in rounds; then lets every structure be read back and checked.
+    pub fn build(&mut self) -> Result<Structures, RunError> {
+        let passes = self.film.map_or(0, |film| film.passes);
+        let mut interleaved_sets: Vec<InterleavedSetRecord> = self.follow(passes)?.into_iter().collect();
+        let of_updates = interleaved_sets.len();
+        let still: Vec<usize> = (0..self.slots.len()).filter(|slot| self.slots[*slot].follows.is_none()).collect();
+        let seed = self.order_seed(BUILDS, 0);
+        let configs: Vec<usize> = still.iter().copied().filter(|slot| self.is_tracer(*slot)).collect();
+        let mut rounds = self.rounds(seed, still.len(), configs.iter().copied(), self.sampling());
+        let bar = self.progress.bar(BUILDS, (rounds.least() * still.len()) as u64);
+        let gpu = self.session.gpu();
+        // Intervals are waited for of what is compared.
+        while let Some(round) = rounds.next(gpu, || {
+            let builds = configs.iter().map(|slot| &self.slots[*slot].builds);
+            [
+                builds.clone().map(|builds| &builds.first[..]).collect(),
+                builds.map(|builds| &builds.steady[..]).collect(),
+            ]
+        })? {
+            for place in round.order {
+                self.build_once(still[place], round.counts);
+                bar.inc(1);
+            }
+        }
+        bar.finish_and_clear();
+        interleaved_sets.extend(self.record(
+            BUILDS,
+            seed,
+            &rounds,
+            still.iter().map(|slot| self.slot_label(*slot)).collect(),
+        ));
+        if self.options.validated {
+            self.validate();
+        }
+        let trace_to = self.session.trace_to();
+        // Structures that follow a film have an interleaved set of their own.
+        let believed = [false, true].map(|follows| {
+            let timed_samples = self.slots.iter().filter(|slot| slot.follows.is_some() == follows);
+            records::are_believed(timed_samples.map(|slot| &slot.builds.phases[..]))
+        });
+        let built = |slot: &StructureSlot| {
+            let believed = believed[usize::from(slot.follows.is_some())];
+            let mut build = records::build_record(&slot.builds, believed, slot.config.setup_ms);
+            let interleaved_set = if slot.follows.is_some() { 0 } else { of_updates };
+            let interleaved_set = (!slot.builds.phases.is_empty() && interleaved_set < interleaved_sets.len())
+                .then_some(interleaved_set as u32);
+            for times in build.all_mut() {
+                times.invalid = self.ticks().and_then(|ticks| ticks.too_coarse(times));
+                times.interleaved_set = interleaved_set;
+            }
+            Ok::<Built, TracerError>(Built {
+                memory: records::memory_record(slot.config.structure()?.memory(), trace_to),
+                structure_statistics: slot.statistics.clone(),
+                build,
+            })
+        };
+        let slots = &self.slots;
+        let outcome = |participant: &Participant| match &participant.out {
+            None => built(&slots[participant.slot]).map(Outcome::Measured),
+            Some(refusal) => Ok(Outcome::Out(refusal.clone())),
+        };
+        let outcomes = self.participants.iter().map(outcome).collect::<Result<_, TracerError>>()?;
+        Ok(Structures { outcomes, interleaved_sets })
+    }
+
+    /// Builds everything once more, as it was when the interleaved sets before were run; nothing is timed.
+    pub fn restore(&mut self) -> Result<(), RunError> {
+        self.follow(0)?;
+        for slot in 0..self.slots.len() {
+            if self.slots[slot].follows.is_none() {
+                self.build_once(slot, false);
+            }
+        }
+        Ok(())
+    }
+
+    /// A first build and, where times are taken, a steady one behind it.
+    fn build_once(&mut self, slot: usize, counts: bool) {
+        let (session, timed) = (self.session, self.options.timed);
+        let built = self.attempt(slot, |one| {
+            let first = one.config.build(session.geometry(), &one.viewpoint, session.gpu())?;
+            let mut again = || one.config.update(Update::Rebuild, session.geometry(), &one.viewpoint, session.gpu());
+            Ok((first, if timed { again()? } else { None }))
+        });
+        if let Some((first, steady)) = built.filter(|_| counts) {
+            let builds = &mut self.slots[slot].builds;
+            builds.push_first(first);
+            builds.steady.extend(steady.map(|steady| steady.whole));
+        }
+    }
+
+    /// Lets every structure be read back and checked against the scene that it was last built over, outside of any time. What is
+    /// unsound, or says of itself what is no number, is taken out. One that is reused was built over another one, where it is checked.
+    fn validate(&mut self) {
+        let bar = self.progress.bar("validate", self.slots.len() as u64);
+        let reused = |slot: &StructureSlot| slot.follows == Some(Update::Reuse);
+        for slot in (0..self.slots.len()).filter(|slot| !reused(&self.slots[*slot])).collect::<Vec<_>>() {
+            let begin = Instant::now();
+            let before: Vec<bool> = self.participants.iter().map(|participant| participant.out.is_none()).collect();
+            let session = self.session;
+            let statistics = self.attempt(slot, |one| {
+                let found = sound::statistics(one.config.structure()?, session.geometry())?;
+                Ok(found.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+            });
+            self.slots[slot].statistics = statistics.unwrap_or_default();
+            // What is unsound is so with or without others beside it.
+            for (participant, _) in self.participants.iter_mut().zip(before).filter(|(_, was_in)| *was_in) {
+                if let Some(refusal) = &mut participant.out {
+                    refusal.for_room = false;
+                }
+            }
+            bar.inc(1);
+            if begin.elapsed() > LONG_VALIDATION {
+                let name = self.slots[slot].config.description.name;
+                self.progress.say(&format!("  validated {name} in {:.0} s", begin.elapsed().as_secs_f64()));
+            }
+        }
+    }
+
+    /// The configuration that a participant traces by, told the participant's own parameters.
+    pub(super) fn config(&mut self, participant: usize) -> &TracerConfig {
+        let Participant { request, slot, .. } = &self.participants[participant];
+        let config = &mut self.slots[*slot].config;
+        if let Some(request) = request {
+            config.parameters.clone_from(&request.parameters);
+        }
+        config
+    }
+
+    /// Does something in a participant unless it has failed before; a failure takes it out.
+    pub(super) fn attempt_in<R>(
+        &mut self,
+        participant: usize,
+        work: impl FnOnce(&Session, &TracerConfig) -> Result<R, TracerError>,
+    ) -> Option<R> {
+        if self.participants[participant].out.is_some() {
+            return None;
+        }
+        let session = self.session;
+        match work(session, self.config(participant)) {
+            Ok(done) => Some(done),
+            Err(error) => {
+                self.take_out(participant, Refusal::of(&error, true));
+                None
+            }
+        }
+    }
+}
+
+impl Refusal {
+    /// Why a tracer was taken out. `for_room`: it may have been for want of room beside others.
+    pub fn of(error: &TracerError, for_room: bool) -> Self {
+        let too_large = matches!(error, TracerError::TooLarge { .. });
+        let unavailable = matches!(error, TracerError::Unavailable(_));
+        // Limits of a device are the same with or without others.
+        let for_room = for_room && matches!(error, TracerError::Failed(_));
+        Self { reason: error.to_string(), too_large, unavailable, for_room }
+    }
+
+    pub(super) fn of_session(error: &SessionError) -> Self {
+        Self { reason: error.to_string(), too_large: false, unavailable: false, for_room: false }
+    }
+}

@@ -1,0 +1,416 @@
+//! One place measured: its configurations in resident batches, each interleaved set kept as it ends.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use tracebench_api::TracerError;
+
+use super::controls::Control;
+use super::interleaved_set::{Built, InterleavedSet, Outcome, Setting};
+use super::run::Context;
+use super::workload::{Measured, Observations, PreparedWorkload, Refusal, Workload};
+use super::{RunError, records};
+use crate::plan::{Resolution, TracerRequest};
+use crate::results::{InterleavedSetRecord, Row, SceneRecord, Skipped, TraceRecord, ViewpointRecord};
+
+/// Structures of configurations that are there at a time.
+pub const MAX_RESIDENT: usize = 32;
+
+/// What is known of a place from its preparation on.
+#[derive(Clone, Serialize, Deserialize)]
+struct Head {
+    scene: SceneRecord,
+    viewpoint: ViewpointRecord,
+    difficulty_level: Option<f64>,
+    sets: Vec<String>,
+    skipped: Vec<Skipped>,
+    told: Value,
+}
+
+/// The interleaved set of the builds, as it is kept.
+#[derive(Default, Serialize, Deserialize)]
+struct BuildsMeasured {
+    participants: Vec<Outcome<Built>>,
+    interleaved_sets: Vec<InterleavedSetRecord>,
+}
+
+/// The interleaved set of a ray set, as it is kept.
+#[derive(Serialize, Deserialize)]
+struct RaysMeasured {
+    rays: String,
+    participants: Vec<Outcome<TraceRecord>>,
+    invalid: Option<String>,
+    hooked: Value,
+    interleaved_set: Option<InterleavedSetRecord>,
+}
+
+/// A place while it is measured.
+struct Here<'a> {
+    place: &'a Workload<'a>,
+    context: &'a Context<'a>,
+    placed: Option<PreparedWorkload>,
+    head: Head,
+    invalid: Option<String>,
+    hooked: Vec<Value>,
+    interleaved_sets: Vec<InterleavedSetRecord>,
+}
+
+/// One resident batch, measured: the controls' rows, then those of its requests in order.
+struct ResidentBatch {
+    controls: Vec<Result<Row, Refusal>>,
+    rows: Vec<(usize, Result<Row, Refusal>)>,
+}
+
+/// Measures a place, but for the interleaved sets that the journal has.
+///
+/// # Errors
+/// [`RunError`] as its variants say; the interleaved sets that ended are kept.
+pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Measured, RunError> {
+    let mut here = Here::enter(place, context)?;
+    // Requests by structure, in the order of the first of each.
+    let mut slots: Vec<Vec<usize>> = Vec::new();
+    for (index, request) in place.requests.iter().enumerate() {
+        match slots.iter_mut().find(|slot| place.requests[slot[0]].shares_with(request)) {
+            Some(slot) => slot.push(index),
+            None => slots.push(vec![index]),
+        }
+    }
+    let mut found = Measured {
+        scene: here.head.scene.clone(),
+        viewpoint: here.head.viewpoint.clone(),
+        controls: Vec::new(),
+        rows: Vec::new(),
+        anchors: Vec::new(),
+        interleaved_sets: Vec::new(),
+        skipped: here.head.skipped.clone(),
+        told: here.head.told.clone(),
+        hooked: Vec::new(),
+        invalid: None,
+    };
+    let mut rows: Vec<Option<Result<Row, Refusal>>> = place.requests.iter().map(|_| None).collect();
+    // A resident batch's stalls, and whether the first of them is there as the anchor.
+    let first = slots.len().min(MAX_RESIDENT);
+    let mut windows: Vec<(Vec<usize>, bool)> = vec![((0..first).collect(), false)];
+    let further: Vec<usize> = (first..slots.len()).collect();
+    windows.extend(further.chunks(MAX_RESIDENT - 1).map(|chunk| ([&[0], chunk].concat(), true)));
+    let mut number = 0;
+    while number < windows.len() {
+        let (members, anchored) = windows[number].clone();
+        let requests: Vec<&[usize]> = members
+            .iter()
+            .enumerate()
+            .map(|(at, slot)| if at == 0 && anchored { &slots[*slot][..1] } else { &slots[*slot][..] })
+            .collect();
+        let resident_batch = here.resident_batch(number, &requests)?;
+        let controls = here.controls(resident_batch.controls)?;
+        if number == 0 {
+            found.controls = controls;
+        }
+        let mut left = Vec::new();
+        for (at, (request, row)) in resident_batch.rows.into_iter().enumerate() {
+            if anchored && at == 0 {
+                found.anchors.extend(row.ok());
+                continue;
+            }
+            // Alone with the anchor, then alone: that others took the room is no reason to go without a row. What a study
+            // looks at across rows hangs together.
+            let again = members.len() > 1 && !place.options.lenient && place.hook.is_none();
+            if again && row.as_ref().is_err_and(|refusal| refusal.for_room) {
+                let slot = slots.iter().position(|slot| slot.contains(&request)).unwrap_or_default();
+                if !left.contains(&slot) {
+                    left.push(slot);
+                }
+            }
+            rows[request] = Some(row);
+        }
+        let with_anchor = members.len() > 2;
+        windows.extend(left.into_iter().map(|slot| match slot {
+            0 => (vec![0], false),
+            slot if with_anchor => (vec![0, slot], true),
+            slot => (vec![slot], false),
+        }));
+        number += 1;
+    }
+    let none = || Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false));
+    found.rows = rows.into_iter().map(|row| row.unwrap_or_else(none)).collect();
+    (found.hooked, found.invalid, found.interleaved_sets) = (here.hooked, here.invalid, here.interleaved_sets);
+    Ok(found)
+}
+
+impl<'a> Here<'a> {
+    fn enter(place: &'a Workload<'a>, context: &'a Context<'a>) -> Result<Self, RunError> {
+        let name = format!("{:03}-place", place.index);
+        let (head, placed) = match context.journal.read::<Head>(&name)? {
+            Some(head) if place.scene_sha256.is_none_or(|known| known == head.scene.sha256) => (head, None),
+            Some(head) => return Err(context.journal.other_scene(&head.scene.name).into()),
+            None => {
+                let placed = (place.prepare)()?;
+                let head = Head {
+                    scene: placed.scene.clone(),
+                    viewpoint: placed.viewpoint.clone(),
+                    difficulty_level: placed.difficulty_level,
+                    sets: placed.session.rays.iter().map(|rays| rays.set.name.to_owned()).collect(),
+                    skipped: placed.session.skipped.clone(),
+                    told: placed.told.clone(),
+                };
+                context.journal.keep(&name, &head)?;
+                (head, Some(placed))
+            }
+        };
+        Ok(Self { place, context, placed, head, invalid: None, hooked: Vec::new(), interleaved_sets: Vec::new() })
+    }
+
+    /// Runs the interleaved sets of a resident batch, or takes them from the journal. `requests` by structure.
+    fn resident_batch(&mut self, number: usize, requests: &[&[usize]]) -> Result<ResidentBatch, RunError> {
+        let index = self.place.index;
+        let builds = format!("{index:03}-{number:02}-builds");
+        let sets = self.head.sets.clone();
+        let names: Vec<String> = (0..sets.len()).map(|set| format!("{index:03}-{number:02}-rays-{set:02}")).collect();
+        let journal = self.context.journal;
+        let mut kept_builds: Option<BuildsMeasured> = journal.read(&builds)?;
+        let mut kept: Vec<Option<RaysMeasured>> =
+            names.iter().map(|name| journal.read(name)).collect::<Result<_, _>>()?;
+        if (kept_builds.is_none() || kept.iter().any(Option::is_none)) && self.placed.is_none() {
+            self.placed = Some((self.place.prepare)()?);
+        }
+        if let Some(placed) = self.placed.as_ref().filter(|_| kept_builds.is_none() || kept.iter().any(Option::is_none))
+        {
+            let mut interleaved_set = self.interleaved_set(number, placed, requests)?;
+            match &kept_builds {
+                None => {
+                    let built = interleaved_set.build()?;
+                    self.check_device()?;
+                    let ended =
+                        BuildsMeasured { participants: built.outcomes, interleaved_sets: built.interleaved_sets };
+                    journal.keep(&builds, &ended)?;
+                    kept_builds = Some(ended);
+                }
+                Some(ended) => {
+                    take_out(&mut interleaved_set, &ended.participants);
+                    interleaved_set.restore()?;
+                }
+            }
+            for ((rays, name), kept) in placed.session.rays.iter().zip(&names).zip(&mut kept) {
+                if let Some(ended) = kept {
+                    take_out(&mut interleaved_set, &ended.participants);
+                    continue;
+                }
+                let answered = interleaved_set.trace(rays)?;
+                self.check_device()?;
+                if let Some(what) = answered.invalid.as_ref().filter(|_| !self.place.options.lenient) {
+                    return Err(RunError::Control(what.clone()));
+                }
+                let hooked = match self.place.hook {
+                    Some(hook) => hook(&placed.session, rays, &by_request(requests, self.place, answered.told))?,
+                    None => Value::Null,
+                };
+                let rays = rays.set.name.to_owned();
+                let ended = RaysMeasured {
+                    rays,
+                    participants: answered.outcomes,
+                    invalid: answered.invalid,
+                    hooked,
+                    interleaved_set: answered.interleaved_set,
+                };
+                journal.keep(name, &ended)?;
+                *kept = Some(ended);
+            }
+        }
+        let builds = kept_builds.unwrap_or_default();
+        Ok(self.rows(number, requests, builds, kept.into_iter().flatten().collect()))
+    }
+
+    /// An interleaved set that everyone has entered who can be created.
+    fn interleaved_set<'r>(
+        &self,
+        number: usize,
+        placed: &'r PreparedWorkload,
+        requests: &[&[usize]],
+    ) -> Result<InterleavedSet<'r>, RunError>
+    where
+        'a: 'r,
+    {
+        let film = placed.film.as_ref();
+        let setting = Setting {
+            scene: self.head.scene.name.clone(),
+            viewpoint: self.head.viewpoint.name.clone(),
+            resident_batch: number as u32,
+            kernels: self.place.options.timed.then(|| self.context.kernels()).transpose()?,
+            turn: 0,
+        };
+        let mut interleaved_set =
+            InterleavedSet::new(&placed.session, film, self.place.options, self.context.progress, setting);
+        let mut participant = Control::ALL.len();
+        for slot in requests {
+            let request = &self.place.requests[slot[0]];
+            let created = self.context.tracer_cache.borrow_mut().config(&request.tracer, self.context.device);
+            let refusal = match created {
+                Ok(config) => {
+                    interleaved_set.enter(config, Some(request), None);
+                    None
+                }
+                Err(error)
+                    if request.tracer.required && !self.place.options.lenient && self.is_alone(&request.tracer) =>
+                {
+                    return Err(RunError::Tracer { tracer: request.tracer.name().to_owned(), error });
+                }
+                Err(error) => {
+                    interleaved_set.enter(self.context.absent(&request.tracer), Some(request), None);
+                    Some(Refusal::of(&error, false))
+                }
+            };
+            for further in &slot[1..] {
+                interleaved_set.join(Some(&self.place.requests[*further].tracer), None);
+            }
+            for _ in slot.iter() {
+                if let Some(refusal) = &refusal {
+                    interleaved_set.take_out(participant, refusal.clone());
+                }
+                participant += 1;
+            }
+        }
+        Ok(interleaved_set)
+    }
+
+    /// Whether no other tracer is asked for: then there is nothing left that could be measured.
+    fn is_alone(&self, tracer: &TracerRequest) -> bool {
+        self.place.requests.iter().all(|other| other.tracer.name() == tracer.name())
+    }
+
+    /// A device that was lost ends the run: what it did not answer is no property of tracers.
+    fn check_device(&self) -> Result<(), RunError> {
+        match self.context.device {
+            Ok(gpu) if gpu.is_lost() => Err(RunError::Device(TracerError::Failed("the device was lost".to_owned()))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts the outcomes of a resident batch's interleaved sets together, participant by participant.
+    fn rows(
+        &mut self,
+        number: usize,
+        requests: &[&[usize]],
+        builds: BuildsMeasured,
+        interleaved_sets: Vec<RaysMeasured>,
+    ) -> ResidentBatch {
+        let controls = Control::ALL.len();
+        let order: Vec<usize> = requests.concat();
+        let of_builds = self.interleaved_sets.len() as u32;
+        self.interleaved_sets.extend(builds.interleaved_sets);
+        let builds = builds.participants;
+        let mut participants: Vec<Vec<Outcome<TraceRecord>>> = builds.iter().map(|_| Vec::new()).collect();
+        for mut interleaved_set in interleaved_sets {
+            if let Some(record) = interleaved_set.interleaved_set.take() {
+                for outcome in &mut interleaved_set.participants {
+                    if let Outcome::Measured(trace) = outcome {
+                        trace.times.interleaved_set = Some(self.interleaved_sets.len() as u32);
+                    }
+                }
+                self.interleaved_sets.push(record);
+            }
+            self.invalid = self.invalid.take().or(interleaved_set.invalid);
+            if number == 0 {
+                self.hooked.push(interleaved_set.hooked);
+            }
+            for (participant, outcome) in participants.iter_mut().zip(interleaved_set.participants) {
+                participant.push(outcome);
+            }
+        }
+        let mut resident_batch = ResidentBatch { controls: Vec::new(), rows: Vec::new() };
+        for (participant, (mut built, traced)) in builds.into_iter().zip(participants).enumerate() {
+            if let Outcome::Measured(Built { build, .. }) = &mut built {
+                build.all_mut().for_each(|times| {
+                    times.interleaved_set = times.interleaved_set.map(|interleaved_set| interleaved_set + of_builds);
+                });
+            }
+            let request = order.get(participant.wrapping_sub(controls)).copied();
+            let row = self.row(number, participant, request, built, traced);
+            match request {
+                None => resident_batch.controls.push(row),
+                Some(request) => resident_batch.rows.push((request, row)),
+            }
+        }
+        resident_batch
+    }
+
+    fn row(
+        &self,
+        number: usize,
+        participant: usize,
+        request: Option<usize>,
+        built: Outcome<Built>,
+        traced: Vec<Outcome<TraceRecord>>,
+    ) -> Result<Row, Refusal> {
+        let Built { memory, structure_statistics, build } = measured(built)?;
+        let mut viewpoint = self.head.viewpoint.clone();
+        let tracer = match request.map(|request| &self.place.requests[request].tracer) {
+            None => records::control_record(Control::ALL[participant]),
+            Some(request) => {
+                if let Some(Resolution { frame, face }) = request.resolution {
+                    (viewpoint.frame, viewpoint.face) = (frame, face);
+                }
+                records::request_record(request)
+            }
+        };
+        Ok(Row {
+            scene: self.head.scene.clone(),
+            viewpoint,
+            tracer,
+            update_mode: None,
+            difficulty_level: self.head.difficulty_level,
+            resident_batch: number as u32,
+            machine: 0,
+            memory,
+            structure_statistics,
+            build,
+            traces: traced.into_iter().map(measured).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Controls go the way of every configuration, and one that cannot voids what was measured.
+    fn controls(&mut self, rows: Vec<Result<Row, Refusal>>) -> Result<Vec<Row>, RunError> {
+        let mut controls = Vec::new();
+        for (row, control) in rows.into_iter().zip(Control::ALL) {
+            match row {
+                Ok(row) => controls.push(row),
+                Err(refusal) if self.place.options.lenient => {
+                    self.invalid.get_or_insert(refusal.reason);
+                }
+                Err(refusal) => {
+                    let tracer = control.description().name.to_owned();
+                    return Err(RunError::Tracer { tracer, error: TracerError::Failed(refusal.reason) });
+                }
+            }
+        }
+        Ok(controls)
+    }
+}
+
+fn measured<T>(outcome: Outcome<T>) -> Result<T, Refusal> {
+    match outcome {
+        Outcome::Measured(found) => Ok(found),
+        Outcome::Out(refusal) => Err(refusal),
+        Outcome::Absent => Err(Refusal::of(&TracerError::Failed("it was taken out before".to_owned()), false)),
+    }
+}
+
+/// Takes out of an interleaved set who was taken out of the one that is kept.
+fn take_out<T>(interleaved_set: &mut InterleavedSet<'_>, participants: &[Outcome<T>]) {
+    for (participant, outcome) in participants.iter().enumerate() {
+        if let Outcome::Out(refusal) = outcome {
+            interleaved_set.take_out(participant, refusal.clone());
+        }
+    }
+}
+
+/// Answers in the order of the place's requests.
+fn by_request(
+    requests: &[&[usize]],
+    place: &Workload<'_>,
+    told: Vec<Option<Observations>>,
+) -> Vec<Option<Observations>> {
+    let mut sorted: Vec<Option<Observations>> = place.requests.iter().map(|_| None).collect();
+    for (request, told) in requests.concat().into_iter().zip(told.into_iter().skip(Control::ALL.len())) {
+        sorted[request] = told;
+    }
+    sorted
+}

@@ -1,0 +1,53 @@
+//! The room of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
+
+use super::expectation::{OF_ONE_VIEW, fails, few};
+use super::{Column, Family, Registration, Rule, Shrink, Touch};
+
+pub(crate) const REGISTRATION: Registration = Registration {
+    expectations: &[EXPECTATIONS, OF_ONE_VIEW],
+    tune: Some("thickness"),
+    shrinks: &[
+        Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
+        Shrink { axis: "layers", steps: &["4", "3", "2", "1"] },
+    ],
+    touches: &[Touch { counter: "pixels_touched", stored: "pixels", parts: &["eye depth buffer"] }],
+    ..Registration::sampled(tracebench_screen_dda::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?))
+    })
+};
+
+const BEHIND: &str = "one depth a pixel: what lies behind the first surface is not stored, and rays that start behind \
+                      one meet its assumed thickness or nothing";
+const STEP: &str = "a hit is placed at the position of the step, up to half a pixel of the ray's image away, and \
+                    within a thickness that every surface is taken to have";
+const STEP_SOURCE: &str = "McGuire and Mara 2014, listing 1; DIRT, section 5.1, on thickness";
+const LAYERS_SOURCE: &str = "DIRT, section 2, on single depth layers; VVP16, section 2, Figure 2";
+const EDGE_ON: &str =
+    "a surface along the line of sight covers few pixel centres or none, so rays that cross it find nothing";
+const EDGE_ON_SOURCE: &str = "VVP16, section 4.2, limitations: geometry parallel to the view direction is not captured";
+const WITHIN: &str = "thickness is a share of the diagonal, and what starts at a thousandth of it starts within the thickness of the surface \
+                      that it leaves: nearly all rays are said to hit that";
+const STARTS: &str = "the surface that a ray starts on lies within a pixel and within the assumed thickness of the start: it is hit again";
+const STARTS_SOURCE: &str =
+    "McGuire and Mara 2014, listing 1, whose walk begins a part of a stride off; DIRT, section 5.1, on thickness";
+const BORDERS: &str = "on a border the walk samples one of the two pixels: both show the wall, but at its rim";
+const BY_LESS: &str = "a ray that passes behind a surface by less than the thickness that every surface is taken to have is said to hit it";
+const FROM_BEHIND: &str = "a ray that comes from behind meets the thickness first that every surface is taken to have, and the shorter its image, \
+                           the farther apart in depth are its samples, a pixel from each other";
+const BESIDE: &str = "samples lie on the ray's own pixels, which do not show what stands beside them";
+const BUDGET: &str = "a ray that crosses more pixels than its budget of samples, 4096 here, is given up";
+const BUDGET_SOURCE: &str = "WKP15, section 5.1, on the steps that a march is held to";
+
+const EXPECTATIONS: Column = &[
+    ("edge-on", fails(Rule::HitMiss, EDGE_ON, EDGE_ON_SOURCE)),
+    ("close-sheets eye-inside-object stacked-layers", fails(Rule::Footprint, BEHIND, LAYERS_SOURCE)),
+    ("voxel-stack", fails(Rule::Tight, STEP, STEP_SOURCE)),
+    ("secondary-depth-ratio", fails(Rule::Footprint, WITHIN, "DIRT, section 5.1, on thickness")),
+    ("surface-starts", fails(Rule::HitMiss, STARTS, STARTS_SOURCE)),
+    ("cell-borders", few(Rule::HitMiss, BORDERS)),
+    ("thin-walls", few(Rule::HitMiss, "a wall is as thick as every surface is taken to be, whatever it is")),
+    ("behind-foreground", fails(Rule::HitMiss, BY_LESS, STEP_SOURCE)),
+    ("towards-camera", fails(Rule::Footprint, FROM_BEHIND, STEP_SOURCE)),
+    ("foreground-in-cell", few(Rule::HitMiss, BESIDE)),
+    ("long-rays", fails(Rule::HitMiss, BUDGET, BUDGET_SOURCE)),
+];
