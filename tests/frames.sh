@@ -15,7 +15,7 @@ makes_records
 jq -r '
     def ms: .submit_to_done_median_ms // .median_ms;
     .commit as $commit
-    | [.runs[] | {scene: .scene.name, tracer: .tracer.name, preset: .tracer.preset, parameters: .tracer.parameters,
+    | [.rows[] | {scene: .scene.name, tracer: .tracer.name, preset: .tracer.preset, parameters: .tracer.parameters,
         build: .build.steady.median_ms, first: .build.first.median_ms, trace: (.traces[0] | ms), right: .traces[0].judgement.agreement.tight}]
     | group_by(.scene)[]
     | (map(select(.tracer != "dirt") | .build + .trace) | min) as $fastest

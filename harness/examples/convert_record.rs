@@ -1,14 +1,17 @@
 //! Converts records of schema 2 to schema 3, which has the same values under other names: `cargo run --release --example convert_record
-//! -- FILE...` (`run.json`, `run.json.gz` or `clock.json`; each is written anew in its place). docs/renames.md lists the names.
+//! -- FILE...` (`run.json`, `run.json.gz`, `clock.json` or the folder that holds one; each is
+//! written anew in its place). docs/renames.md lists the names.
 
+use std::error::Error;
 use std::io::{Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 use serde_json::{Map, Value, json};
+use tracebench_harness::hash::sha256_of;
 use tracebench_harness::results::{Record, SCHEMA};
 
 /// What keys were, and are.
@@ -78,45 +81,97 @@ fn converted(value: Value, below: &str) -> Value {
     }
 }
 
-fn convert(path: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let bytes = std::fs::read(path)?;
-    let is_packed = bytes.starts_with(&[0x1f, 0x8b]);
+/// The record in a folder, or the file itself.
+fn file(path: &Path) -> PathBuf {
+    let inside = ["run.json", "run.json.gz", "clock.json"].map(|name| path.join(name));
+    inside.into_iter().find(|file| file.is_file()).unwrap_or_else(|| path.to_owned())
+}
+
+fn convert(path: &Path) -> Result<(), Box<dyn Error>> {
+    let before = std::fs::read(path)?;
+    let is_packed = before.starts_with(&[0x1f, 0x8b]);
     let mut text = Vec::new();
     if is_packed {
-        GzDecoder::new(&bytes[..]).read_to_end(&mut text)?
+        GzDecoder::new(&before[..]).read_to_end(&mut text)?
     } else {
-        (&bytes[..]).read_to_end(&mut text)?
+        (&before[..]).read_to_end(&mut text)?
     };
-    let mut record: Value = serde_json::from_slice(&text)?;
-    match record.get("schema").and_then(Value::as_u64) {
-        None | Some(2) => {}
-        Some(schema) => return Err(format!("schema {schema}, and this converts schema 2").into()),
-    }
-    record = converted(record, "");
-    let text = match record.get_mut("schema") {
-        None => serde_json::to_vec(&record)?,
-        Some(schema) => {
-            *schema = json!(SCHEMA);
+    let record: Value = serde_json::from_slice(&text)?;
+    let is_clock = record.get("races").or(record.get("fresh")).is_some() && record.get("rules_version").is_some();
+    let text = match record.get("schema").map(Value::as_u64) {
+        None if is_clock => serde_json::to_vec(&converted(record, ""))?,
+        Some(Some(2)) => {
+            let mut record = converted(record, "");
+            record["schema"] = json!(SCHEMA);
             // In the order of the record's fields, and only if it can be one.
             serde_json::to_vec(&Record::read(&serde_json::to_vec(&record)?)?)?
         }
+        _ => return Err("it is no record of schema 2".into()),
     };
-    let bytes = if is_packed {
+    let after = if is_packed {
         let mut packed = GzEncoder::new(Vec::new(), Compression::best());
         packed.write_all(&text)?;
         packed.finish()?
     } else {
         text
     };
-    Ok(std::fs::write(path, bytes)?)
+    write(path, &after)?;
+    // The folder's list vouches for the file as it is now, if it did before.
+    let list = path.with_file_name("tracebench.sha256");
+    if let Ok(lines) = std::fs::read_to_string(&list) {
+        let [was, is] = [&before, &after].map(|bytes| sha256_of(bytes));
+        write(&list, lines.replace(&was, &is).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
 }
 
 fn main() -> ExitCode {
-    for path in std::env::args_os().skip(1) {
-        if let Err(reason) = convert(Path::new(&path)) {
+    let paths: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    if paths.is_empty() {
+        eprintln!("error: name records of schema 2: cargo run --release --example convert_record -- FILE...");
+        return ExitCode::from(2);
+    }
+    for path in paths.iter().map(|path| file(path)) {
+        if let Err(reason) = convert(&path) {
             eprintln!("error: {}: {reason}", path.display());
             return ExitCode::FAILURE;
         }
     }
     ExitCode::SUCCESS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Proves that what was named otherwise is named anew wherever it stands, and that what a user named is left as it is.
+    #[test]
+    fn keys_have_new_names() {
+        let before = json!({ "runs": [{ "way": { "frame": 2 }, "viewpoint": { "name": "window", "frame": [1, 1] },
+            "tracer": { "parameters": { "reads": "texture" }, "changed": ["reads"] } }], "races": [{ "lanes": ["dirt reads=texture"] }] });
+        let after = json!({ "rows": [{ "update_mode": { "frame_index": 2 }, "viewpoint": { "name": "window", "frame": [1, 1] },
+            "tracer": { "parameters": { "memory_access": "texture" }, "changed": ["memory_access"] } }],
+            "interleaved_sets": [{ "participants": ["dirt memory_access=texture"] }] });
+        assert_eq!(converted(before, ""), after);
+    }
+
+    /// Proves that what is no record of schema 2 is refused and stays, a folder's too.
+    #[test]
+    fn others_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        for text in ["{\"a\": 1, \"window\": 2}", "[1]", "{\"schema\": 3}", "{\"schema\": 2}", "{"] {
+            std::fs::write(folder.path().join("run.json"), text).unwrap();
+            assert!(convert(&file(folder.path())).is_err(), "{text}");
+            assert_eq!(std::fs::read_to_string(folder.path().join("run.json")).unwrap(), text);
+        }
+    }
 }

@@ -26,7 +26,7 @@ fn code(path: &Path) -> String {
 }
 
 /// The folder or file right below the crate's root that a source is in.
-fn room(path: &Path) -> String {
+fn folder(path: &Path) -> String {
     let below = path.strip_prefix(root()).unwrap();
     below.iter().next().unwrap().to_string_lossy().trim_end_matches(".rs").to_owned()
 }
@@ -37,11 +37,11 @@ fn root() -> PathBuf {
 
 type Imports = BTreeMap<String, BTreeSet<String>>;
 
-/// Which rooms each room imports.
+/// Which modules each module imports.
 fn imports() -> Imports {
     let mut imports = Imports::new();
     for path in sources(&root()) {
-        let own = room(&path);
+        let own = folder(&path);
         for part in code(&path).split("crate::").skip(1) {
             let names = match part.strip_prefix('{') {
                 Some(list) => list.split('}').next().unwrap_or_default().split(',').map(str::trim).collect(),
@@ -58,7 +58,7 @@ fn imports() -> Imports {
     imports
 }
 
-/// A room that is imported, by however many steps, by what it imports.
+/// A module that is imported, by however many steps, by what it imports.
 fn circle(imports: &Imports) -> Option<&String> {
     let reached = |from: &String| {
         let mut seen = BTreeSet::new();
@@ -82,18 +82,18 @@ fn imports_run_one_way() {
     let ground: Vec<&str> = imports["results"].iter().map(String::as_str).collect();
     assert_eq!(ground, ["machine", "statistics"]);
     let calls = |path: &PathBuf| code(path).matches("control.check(").count();
-    let measuring = sources(&root()).into_iter().filter(|path| ["measure", "studies"].contains(&&*room(path)));
+    let measuring = sources(&root()).into_iter().filter(|path| ["measure", "studies"].contains(&&*folder(path)));
     assert_eq!(measuring.map(|path| calls(&path)).sum::<usize>(), 1);
     imports.entry("results".to_owned()).or_default().insert("studies".to_owned());
     assert!(circle(&imports).is_some());
 }
 
-/// Proves that the names of tracers are in their rooms and in those of papers alone.
+/// Proves that the names of tracers are in their registrations and in papers alone.
 #[test]
 fn generic_code_names_no_tracer() {
     let names: Vec<String> = TRACERS.iter().map(|each| format!("\"{}\"", each.name())).collect();
     let named = |text: &str| names.iter().any(|name| text.contains(name.as_str()));
-    let generic = sources(&root()).into_iter().filter(|path| !["contenders", "papers"].contains(&&*room(path)));
+    let generic = sources(&root()).into_iter().filter(|path| folder(path) != "papers");
     let found: Vec<PathBuf> = generic.filter(|path| named(&code(path))).collect();
     assert_eq!(found, Vec::<PathBuf>::new());
     assert!(named("find(\"bvh-cpu\")"));

@@ -48,11 +48,10 @@ pub(super) struct ClockArguments {
     /// What the recorded noise is called.
     #[arg(long, value_name = "NAME", requires = "record")]
     kind: Option<String>,
-    /// In place of all that, tell what repeating the same rays is worth: trace rays of so many seeds in turn, each lot once fresh and at
-    /// once again.
+    /// In place of all that, measure warm-cache bias: trace rays of so many seeds in turn, each set once fresh and at once again.
     #[arg(long, value_name = "SEEDS", conflicts_with = "record", value_parser = clap::value_parser!(u64).range(2..=64))]
     fresh_rays: Option<u64>,
-    /// Rounds of a recording, or of every interleaved set; interleaved sets depend on the defaults of `run` if not given.
+    /// Rounds of a recording, or of every interleaved set; that of `run` if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     samples: Option<u32>,
     /// Folder for `clock.json`, what came of it; nothing is written if not given.

@@ -69,15 +69,15 @@ pub(super) fn doctor(arguments: &DoctorArguments, progress: &Progress) -> Result
     let gpu = opened.as_ref().ok();
     // Without what a probe would have to find out.
     let machine = Machine { adapter: gpu.map(|gpu| gpu.listing.clone()), ..machine::this_machine(None) };
-    let is_taken = |of: &AdapterInfo| {
-        let taken = |gpu: &Gpu| (&gpu.listing.name, &gpu.listing.backend) == (&of.name, &of.backend);
-        gpu.is_some_and(taken)
+    let is_chosen = |of: &AdapterInfo| {
+        let chosen = |gpu: &Gpu| (&gpu.listing.name, &gpu.listing.backend) == (&of.name, &of.backend);
+        gpu.is_some_and(chosen)
     };
-    let taken = adapters.iter().position(is_taken);
+    let chosen = adapters.iter().position(is_chosen);
     if arguments.json {
         let missing: Vec<_> = missing.iter().map(|[what, todo]| json!({ "what": what, "do": todo })).collect();
         return print_json(&json!({
-            "machine": machine, "commit": machine::COMMIT, "adapters": adapters, "taken": taken, "missing": missing,
+            "machine": machine, "commit": machine::COMMIT, "adapters": adapters, "chosen": chosen, "missing": missing,
         }));
     }
     let memory = machine.memory_bytes.map_or_else(String::new, |bytes| format!(", {} MiB of memory", mib(bytes)));
@@ -86,9 +86,9 @@ pub(super) fn doctor(arguments: &DoctorArguments, progress: &Progress) -> Result
         let AdapterInfo { name, kind, backend, driver, driver_version, .. } = adapter;
         text += &format!("{number}: {name} ({kind}, {backend}, driver {driver} {driver_version})\n");
     }
-    if let (Some(number), Some(adapter)) = (taken, &machine.adapter) {
+    if let (Some(number), Some(adapter)) = (chosen, &machine.adapter) {
         text += &format!(
-            "taken: {number}; buffers of {} MiB, bindings of {} MiB, {} storage buffers a stage, textures of {} texels along an edge\n",
+            "chosen: {number}; buffers of {} MiB, bindings of {} MiB, {} storage buffers a stage, textures of {} texels along an edge\n",
             mib(adapter.max_buffer_bytes),
             mib(adapter.max_storage_binding_bytes),
             adapter.max_storage_buffers_per_stage,

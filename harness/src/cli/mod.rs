@@ -75,7 +75,7 @@ enum Verb {
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a
     /// paper claims beside what was measured, with a verdict on every claim.
     Table(arguments::TableArguments),
-    /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
+    /// Compare two runs: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
     /// Join the shards of a run that was spread over machines by --shard.
     Merge(merge::MergeArguments),
@@ -132,14 +132,19 @@ pub fn main() -> ExitCode {
     let command_line = match CommandLine::try_parse() {
         Ok(command_line) => command_line,
         Err(error) => {
+            let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
             // Help and version come this way too; clap knows which stream and status each needs.
-            match renames::answer(&error) {
+            match renames::answer(&error, &words) {
                 Some(answer) => progress::to_stderr(&answer),
                 None => drop(error.print()),
             }
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
+    if let Some(is) = renames::variable() {
+        progress::to_stderr(&format!("error: {is}"));
+        return ExitCode::from(2);
+    }
     let progress = Progress::new(command_line.quiet);
     stop::watch(command_line.until_stdin_ends);
     let outcome = match &command_line.verb {

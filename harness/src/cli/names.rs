@@ -18,6 +18,11 @@ use crate::tables::Table;
 
 /// Says that a name is not known, with the nearest that is.
 pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
+    let of =
+        |was: Kind| was == Kind::Table && kind == "table" || was == Kind::Parameter && kind.starts_with("parameter");
+    if let Some(is) = renames::renamed(of, name) {
+        return CliError::Argument(format!("{kind}: {is}"));
+    }
     let near = known.iter().filter(|known| is_near(name, known));
     let nearest = near.max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
     let hint = nearest.map_or_else(|| ".".to_owned(), |nearest| format!("; did you mean '{nearest}'?"));
@@ -110,7 +115,7 @@ pub(super) fn scene(name: &OsStr) -> Result<SceneSource, CliError> {
 
 /// Ray sets: names, or all.
 pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
-    if list == "all" {
+    if parts(list, "--rays")?.contains(&"all") {
         return Ok(RAY_SETS.to_vec());
     }
     let known: Vec<&str> = RAY_SETS.iter().map(|set| set.name).collect();
@@ -120,7 +125,7 @@ pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
 
 /// Cases: names, or all.
 pub(super) fn cases(list: &str) -> Result<Vec<&'static Case>, CliError> {
-    if list == "all" {
+    if parts(list, "--case")?.contains(&"all") {
         return Ok(CASES.iter().collect());
     }
     let known: Vec<&str> = CASES.iter().map(|case| case.name).collect();
@@ -214,6 +219,9 @@ pub(super) fn steps(experiment: &Experiment, settings: &[String]) -> Result<Vec<
 pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Result<(), CliError> {
     for each in wanted {
         let (tracer, parameter, values) = split(each)?;
+        if let Some(is) = renames::renamed(|kind| kind == Kind::Parameter, parameter) {
+            return Err(CliError::Argument(format!("--only {each}: {is}")));
+        }
         let own = || steps.iter().flatten().filter(|request| request.name() == tracer);
         let known: Vec<String> =
             own().filter_map(|request| Some(request.parameters.value(parameter)?.to_string())).collect();
@@ -237,10 +245,7 @@ pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Resul
 /// A table by name.
 pub(super) fn table(name: &str) -> Result<Table, CliError> {
     let known: Vec<&str> = Table::all().map(Table::name).collect();
-    Table::find(name).ok_or_else(|| match renames::renamed(|kind| kind == Kind::Table, name) {
-        Some(is) => CliError::Argument(format!("table {is}")),
-        None => unknown("table", name, &known),
-    })
+    Table::find(name).ok_or_else(|| unknown("table", name, &known))
 }
 
 /// What `--set` says about ray sets.
@@ -302,10 +307,6 @@ fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
 fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), CliError> {
     let description = (request.registration.describe)();
     let known = description.parameters;
-    let is_known = known.iter().any(|each| each.name == parameter);
-    if let Some(is) = renames::renamed(|kind| kind == Kind::Parameter && !is_known, parameter) {
-        return Err(CliError::Argument(format!("{}: {is}", description.name)));
-    }
     request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
 }
 
@@ -408,7 +409,7 @@ mod tests {
         assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());
     }
 
-    /// A tracer may are in a list several times with values of its own, which `--set` does not touch and the label
+    /// A tracer may be in a list several times with values of its own, which `--set` does not touch and the label
     /// tells; what is wrong with one is said as of `--set`.
     #[test]
     fn tracers_have_values_of_their_own() {

@@ -1,6 +1,9 @@
 //! Words of the command line that have gone, each with what stands for it now. docs/renames.md lists them, too.
 
+use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue};
+
+use super::CommandLine;
 
 /// What a word that has gone was.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -42,15 +45,21 @@ pub(super) fn renamed(is_kind: impl Fn(Kind) -> bool, word: &str) -> Option<Stri
 }
 
 /// What stands now for the word at which the command line could not be read, if it is one that has gone.
-pub(super) fn answer(error: &clap::Error) -> Option<String> {
+pub(super) fn answer(error: &clap::Error, words: &[String]) -> Option<String> {
     let unknown = |kind| match error.get(kind) {
         Some(ContextValue::String(word)) => Some(word.as_str()),
         _ => None,
     };
     let verb = unknown(ContextKind::InvalidSubcommand).and_then(|word| renamed(|kind| kind == Kind::Verb, word));
-    let is_option = |kind| matches!(kind, Kind::Option(_));
-    let found = verb.or_else(|| renamed(is_option, unknown(ContextKind::InvalidArg)?))?;
-    Some(format!("error: {found}"))
+    // Of a verb that has the new one.
+    let command = CommandLine::command();
+    let of = command.get_subcommands().find(|verb| words.iter().any(|word| word == verb.get_name()));
+    let has = |long: &str| of.is_some_and(|verb| verb.get_arguments().any(|one| one.get_long() == Some(&long[2..])));
+    let option = || {
+        let (_, was, is) = RENAMES.iter().find(|(_, was, _)| unknown(ContextKind::InvalidArg) == Some(*was))?;
+        renamed(|kind| matches!(kind, Kind::Option(_)) && has(is), was)
+    };
+    Some(format!("error: {}", verb.or_else(option)?))
 }
 
 /// A variable of the environment that is set and has gone, with what stands for it now.
@@ -64,7 +73,7 @@ mod tests {
     use clap::Parser as _;
 
     use super::*;
-    use crate::cli::{CommandLine, names};
+    use crate::cli::names;
 
     /// Proves that every word that has gone is answered with what stands for it now, which the program takes, and is in docs/renames.md;
     /// and that another word is not answered so.
@@ -72,7 +81,10 @@ mod tests {
     fn every_old_word_is_answered() {
         let page = include_str!("../../../docs/renames.md");
         let read = |words: &[&str]| CommandLine::try_parse_from([&["tracebench"], words].concat()).err();
-        let answer = |words: &[&str]| read(words).and_then(|error| answer(&error));
+        let answer = |words: &[&str]| {
+            let all: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
+            read(words).and_then(|error| answer(&error, &all))
+        };
         for (kind, was, is) in RENAMES {
             assert!(page.contains(&format!("| `{was}` | `{is}` |")), "docs/renames.md has no {was}");
             let said = match kind {
@@ -93,5 +105,7 @@ mod tests {
             options.for_each(|option| assert!(help.contains(option), "{is}: {help}"));
         }
         assert_eq!((answer(&["no-such"]), answer(&["run", "--no-such"])), (None, None));
+        // The new option is of other verbs.
+        assert_eq!(answer(&["list", "--end"]), None);
     }
 }

@@ -65,7 +65,7 @@ fn tracer_help() -> String {
     )
 }
 
-/// The help of `--over`, with what rooms say is swept or chosen.
+/// The help of `--over`, with what registrations say is swept or chosen.
 fn over_help() -> String {
     let list = |names: &[&str]| match names {
         [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
@@ -120,7 +120,7 @@ impl SweepArguments {
         }
     }
 
-    /// The one parameter of which a value is chosen: the one that is named, or the one that the tracer's room names.
+    /// The one parameter of which a value is chosen: the one that is named, or the one that the tracer's registration names.
     fn axis(&self, request: &TracerRequest) -> Result<AxisRecord, CliError> {
         let over = match (self.over.as_slice(), request.registration.tune) {
             ([], None) => return Err(CliError::Argument(which(request))),

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{Selection, WorkArguments};
-use super::{CliError, open_device, renames, stop};
+use super::{CliError, open_device, stop};
 use crate::files::{FileError, OutputFolder};
 use crate::launch;
 use crate::machine;
@@ -53,9 +53,6 @@ impl OutputArguments {
         if !requests.iter().any(TracerRequest::has_launch_settings) {
             return Ok(None);
         }
-        if let Some(is) = renames::variable() {
-            return Err(CliError::Argument(is));
-        }
         let told = std::env::var(launch::VARIABLE).ok().filter(|text| !text.is_empty());
         let told = told.map(|text| {
             launch::parse(&text).map_err(|error| CliError::Argument(format!("{}: {error}", launch::VARIABLE)))
@@ -76,7 +73,7 @@ impl OutputArguments {
         };
         if let Some(LaunchRecord { launch, probe: Some(probe) }) = &probed {
             progress.say(&format!(
-                "means: {launch} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
+                "launch settings: {launch} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
                 probe.texture_gain(),
                 probe.many_rays,
                 probe.many_rays_gain()

@@ -26,7 +26,7 @@ pub struct Duration {
 
 impl Duration {
     /// By the rows of a run of the same scene, tracer and parameters, at the scale and the resolution nearest to the wanted ones; of rows
-    /// that differ in means alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow
+    /// that differ in launch settings alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow
     /// with the pixels of a face, traces with the rays; several rays a pixel count as such.
     pub fn of(plans: &[Plan], record: &Record) -> Self {
         let mut sum = Self {
@@ -172,7 +172,7 @@ mod tests {
             "{}",
             found.describe("t")
         );
-        // What the machine's means make of a row's parameters tells no row apart.
+        // What the machine's launch settings make of a row's parameters tells no row apart.
         record.rows[0].tracer.parameters.insert(MEMORY_ACCESS.to_owned(), json!("texture"));
         record.rows[0].tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(32));
         assert_eq!(Duration::of(std::slice::from_ref(&plan), &record), found);

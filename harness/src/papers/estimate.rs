@@ -39,7 +39,7 @@ impl Estimate {
         Self { value: of(self.value), interval: self.interval.map(of), ..self }
     }
 
-    /// The same with what is found at other means: it lies wherever any of these does.
+    /// The same with what is found at other launch settings: it lies wherever any of these does.
     pub(super) fn spread_over(self, others: impl IntoIterator<Item = Self>) -> Self {
         others.into_iter().fold(Self { at_launch_settings: true, ..self }, |all, other| Self {
             interval: [all.interval[0].min(other.interval[0]), all.interval[1].max(other.interval[1])],

@@ -29,7 +29,7 @@ pub struct Experiment {
     pub trace_to: TraceTo,
     /// What is run one after the other.
     pub steps: &'static [Step],
-    /// Whether rows stand at every choice of means, how a search reads and is launched, that their tracer has: where traces of methods
+    /// Whether rows stand at every choice of launch settings, how a search reads and is launched, that their tracer has: where traces of methods
     /// are compared.
     pub launch: bool,
     /// What the page shows of it before its rows.
@@ -217,7 +217,7 @@ impl Step {
 }
 
 impl ExperimentRow {
-    /// With every combination of its values, and of those of means that its tracer has.
+    /// With every combination of its values, and of those of launch settings that its tracer has.
     fn requests(&self, launch: &[(&str, &[&str])]) -> Vec<TracerRequest> {
         let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
         let known = (registration.describe)().parameters;

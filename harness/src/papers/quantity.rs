@@ -35,7 +35,7 @@ pub struct Quantity {
     pub name: &'static str,
     /// Its unit, empty for a ratio or share.
     pub unit: &'static str,
-    /// How it is available.
+    /// How it is measured.
     pub measure: Measure,
 }
 

@@ -49,9 +49,9 @@ pub(super) fn rank_correlation(record: &Record, points: &[(f64, Timed<'_>)]) -> 
 }
 
 /// What there is to doubt where a method was measured at one of its launch settings alone.
-const ONE_MEANS: &str = "not measured at other means";
+const ONE_MEANS: &str = "not measured at other launch settings";
 
-/// Whether rows are the same tracer's in the same place and differ in means alone, or in nothing.
+/// Whether rows are the same tracer's in the same place and differ in launch settings alone, or in nothing.
 fn differ_in_launch(one: &Row, other: &Row) -> bool {
     let rest = |row: &Row| {
         let of_launch = |name: &String| [MEMORY_ACCESS, RAYS_PER_LANE].contains(&name.as_str());
@@ -80,7 +80,7 @@ impl SceneRows<'_> {
         ratio(self.record, &Timed::build_phase(one, phase), &Timed::build_phase(other, phase))
     }
 
-    /// How many times as long a trace takes in one row as in another; of two methods at the rows' means, at every means that both
+    /// How many times as long a trace takes in one row as in another; of two methods at the rows' launch settings, at every launch setting that both
     /// were measured at, and at each one's best.
     pub(in crate::papers) fn trace_ratio(&self, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
         let found = self.layout_ratio(one, other, rays)?;
@@ -97,12 +97,12 @@ impl SceneRows<'_> {
         self.at_launch_settings(self.together(one, other, sets)?, one, other, sets)
     }
 
-    /// How many times as long some ray sets together take in one row as in another, at the rows' means.
+    /// How many times as long some ray sets together take in one row as in another, at the rows' launch settings.
     fn together(&self, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
         ratio(self.record, &traced_together(one, sets)?, &traced_together(other, sets)?)
     }
 
-    /// A ratio of two methods with those at other means.
+    /// A ratio of two methods with those at other launch settings.
     fn at_launch_settings(&self, found: Estimate, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
         let [ones, others] =
             [one, other].map(|row| self.rows.iter().copied().filter(|each| differ_in_launch(row, each)));

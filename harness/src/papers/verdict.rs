@@ -181,7 +181,7 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
         let why = match (doubts.is_empty(), of.found.at_launch_settings) {
             (false, _) => doubts.join(", "),
             (true, false) => "the interval does not separate".to_owned(),
-            (true, true) => "equal and best means disagree, or their intervals do not separate".to_owned(),
+            (true, true) => "equal and best launch settings disagree, or their intervals do not separate".to_owned(),
         };
         rule.leaves_open(&of.found).then(|| format!("{}: {why}", of.scene))
     };

@@ -188,7 +188,7 @@ mod tests {
         assert!(find("no-such").is_none() && names.contains(&"launch-settings"));
     }
 
-    /// Every tracer of the family is in the table, no other does, every value of the swept parameter has a row, no two
+    /// Every tracer of the family is in the table and no other, every value of the swept parameter has a row, no two
     /// rows are the same, and parameters that the reference has are not swept again.
     #[test]
     fn every_peer_has_its_rows() {

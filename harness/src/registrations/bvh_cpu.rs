@@ -1,4 +1,4 @@
-//! The room of `bvh-cpu`: an analytic method in f32 that sees every triangle and no view.
+//! The registration of `bvh-cpu`: an analytic method in f32 that sees every triangle and no view.
 
 use super::expectation::fails;
 use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Rule};

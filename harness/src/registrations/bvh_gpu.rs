@@ -1,4 +1,4 @@
-//! The room of `bvh-gpu`: an analytic method with a watertight triangle test that sees every triangle and no view.
+//! The registration of `bvh-gpu`: an analytic method with a watertight triangle test that sees every triangle and no view.
 
 use super::{Family, OF_HIERARCHIES, Registration};
 

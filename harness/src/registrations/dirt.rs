@@ -1,4 +1,4 @@
-//! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in
+//! The registration of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in
 //! every tile.
 
 use super::expectation::{fails, few};
@@ -9,7 +9,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS],
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[IMPROVED_EXPECTATIONS] }),
     ablation: Some(&ABLATION),
-    remedies: LADDER,
+    remedies: REMEDIES,
     sweep: &["tile_size", "face_tiles", "buckets", "slices", "resolution", "coverage", "clip"],
     excluded_from_fronts: &["near", "direct_visibility", "shadow_map", "shadow_bias", "fetch"],
     shrinks: &[
@@ -127,7 +127,7 @@ const ABLATION: Table = switches(
     ],
 );
 
-const LADDER: &[Remedy] = &[
+const REMEDIES: &[Remedy] = &[
     Remedy {
         cause: "outside_of_the_views",
         parameter: "views",

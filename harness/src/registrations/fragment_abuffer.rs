@@ -1,4 +1,4 @@
-//! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are
+//! The registration of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are
 //! planes, in every pixel that a triangle touches.
 
 use super::expectation::{BETWEEN, SAMPLES_SOURCE, TILED, fails, few, of_huge_triangles, of_plates_along_rows};
@@ -9,7 +9,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS],
     improved: Some(Improved { otherwise: Some(BEYOND_EDGES), expectations: &[IMPROVED_EXPECTATIONS] }),
     ablation: Some(&ABLATION),
-    remedies: LADDER,
+    remedies: REMEDIES,
     tune: Some("thickness"),
     excluded_from_fronts: &["decoupled", "thickness_in", "binary_search_above"],
     shrinks: &[
@@ -168,7 +168,7 @@ const ABLATION: Table = switches(
     ],
 );
 
-const LADDER: &[Remedy] = &[
+const REMEDIES: &[Remedy] = &[
     Remedy {
         cause: "pixels_left_out",
         parameter: "march",

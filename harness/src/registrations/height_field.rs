@@ -1,4 +1,4 @@
-//! The room of `height-field`: one depth a pixel from one view, all behind it solid.
+//! The registration of `height-field`: one depth a pixel from one view, all behind it solid.
 
 use super::expectation::{OF_ONE_VIEW, fails, few, of_huge_triangles};
 use super::{Column, Family, Registration, Rule, Shrink, Touch};

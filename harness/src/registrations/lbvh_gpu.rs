@@ -1,4 +1,4 @@
-//! The room of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
+//! The registration of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
 
 use super::table::{improved, published, switches};
 use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Table};

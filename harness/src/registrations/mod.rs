@@ -1,4 +1,4 @@
-//! What the harness alone knows of the tracers, a room each: which tables it is in, how it is made, what is expected of it on
+//! What the harness alone knows of the tracers, a registration each: which tables it is in, how it is made, what is expected of it on
 //! the stability cases, which remedies tell why its rays are wrong, and what of it is worth sweeping or tuning.
 
 pub(crate) mod bvh_cpu;
@@ -98,7 +98,7 @@ pub struct Improved {
     pub expectations: &'static [Column],
 }
 
-/// A tracer's room.
+/// A tracer's registration.
 #[derive(Clone, Copy)]
 pub struct Registration {
     /// What it is and takes.
@@ -134,7 +134,7 @@ pub struct Registration {
 }
 
 impl Registration {
-    /// The room of a method that samples, with nothing more said of it.
+    /// The registration of a method that samples, with nothing more said of it.
     pub const fn sampled(describe: fn() -> TracerDescription, family: Family, create: Create) -> Self {
         Self {
             describe,
@@ -154,7 +154,7 @@ impl Registration {
         }
     }
 
-    /// The room of a method with analytic hits, which is expected to have no wrong ray where nothing else is said.
+    /// The registration of a method with analytic hits, which is expected to have no wrong ray where nothing else is said.
     pub const fn analytic(describe: fn() -> TracerDescription, family: Family, create: Create) -> Self {
         Self { otherwise: Some(Expectation::Exact), ..Self::sampled(describe, family, create) }
     }

@@ -1,4 +1,4 @@
-//! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
+//! The registration of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
 use super::expectation::{
     ASIDE, BETWEEN, LEAVE_VIEW, NEAR_SOURCE, NO_BORDERS, fails, few, of_huge_triangles, of_plates_along_rows,
@@ -10,7 +10,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS],
     improved: Some(Improved { otherwise: None, expectations: &[IMPROVED_EXPECTATIONS, EXPECTATIONS] }),
     ablation: Some(&ABLATION),
-    remedies: LADDER,
+    remedies: REMEDIES,
     sweep: &["gamma_norm", "gamma_dist", "layers"],
     tune: Some("gamma_dist"),
     excluded_from_fronts: &["gamma_dist_in", "secondary_samples", "secondary_jitter", "secondary_sigma"],
@@ -160,7 +160,7 @@ const ABLATION: Table = switches(
     ],
 );
 
-const LADDER: &[Remedy] = &[
+const REMEDIES: &[Remedy] = &[
     Remedy {
         cause: "outside_of_the_view",
         parameter: "views",

@@ -1,4 +1,4 @@
-//! The room of `ray-query`, whose triangle test is the driver's own: Vulkan asks drivers for a watertight one
+//! The registration of `ray-query`, whose triangle test is the driver's own: Vulkan asks drivers for a watertight one
 //! (VK_KHR_ray_query, "Watertightness"), and Mesa's software driver (25.0) has one. Another driver that does worse comes out as
 //! unexpected, which is what its column is for.
 

@@ -1,4 +1,4 @@
-//! The room of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
+//! The registration of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
 use super::expectation::{OF_ONE_VIEW, fails, few};
 use super::{Column, Family, Registration, Rule, Shrink, Touch};

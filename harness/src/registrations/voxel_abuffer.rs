@@ -1,4 +1,4 @@
-//! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside;
+//! The registration of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside;
 //! improved, planes that are clipped to texels, each a part of the surface itself.
 
 use super::expectation::{fails, few};
@@ -9,7 +9,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS],
     improved: Some(Improved { otherwise: Some(OF_PLANES), expectations: &[IMPROVED_EXPECTATIONS] }),
     ablation: Some(&ABLATION),
-    remedies: LADDER,
+    remedies: REMEDIES,
     sweep: &["abuffer", "grid"],
     tune: Some("start_bias"),
     shrinks: &[
@@ -144,7 +144,7 @@ const ABLATION: Table = switches(
     ],
 );
 
-const LADDER: &[Remedy] = &[
+const REMEDIES: &[Remedy] = &[
     Remedy {
         cause: "one_scale_for_all_axes",
         parameter: "fit",

@@ -1,11 +1,11 @@
-//! The room of `voxel-octree`: every voxel that a triangle touches, and hits as precise as one.
+//! The registration of `voxel-octree`: every voxel that a triangle touches, and hits as precise as one.
 
 use super::expectation::{fails, few};
 use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS],
-    remedies: LADDER,
+    remedies: REMEDIES,
     sweep: &["levels"],
     shrinks: &[Shrink { axis: "levels", steps: &["9", "8", "7", "6", "5", "4"] }],
     touches: &[
@@ -18,7 +18,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
 };
 
 /// A voxel's extent, from its entry to its centre and then all of it.
-const LADDER: &[Remedy] = &[
+const REMEDIES: &[Remedy] = &[
     Remedy {
         cause: "entry_of_a_voxel",
         parameter: "hit",

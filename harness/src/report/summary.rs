@@ -55,7 +55,7 @@ pub(crate) fn head(record: &Record, title: &str) -> Document {
     if record.rows.iter().any(|row| row.resident_batch > 0) {
         page = page.paragraph(format!(
             "Not all tracers fit one resident batch, in which they take turns. Rows with{MARK} were measured in a later one; their times \
-             are set as the first tracer's of their scene, which every window has, was slower or faster there."
+             are set as the first tracer's of their scene, which every resident batch has, was slower or faster there."
         ));
     }
     let judged = record.rows.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);

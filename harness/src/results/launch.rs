@@ -1,5 +1,5 @@
 //! How searches on the device read and are launched: what a probe of the adapter said, what a row had, and two methods at equal
-//! means and at each one's best.
+//! launch settings and at each one's best.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ impl LaunchSettings {
         format!("{},{}", self.memory_access, self.rays_per_lane)
     }
 
-    /// These means.
+    /// These launch settings.
     pub fn new(memory_access: &str, rays_per_lane: u64) -> Self {
         Self { memory_access: memory_access.to_owned(), rays_per_lane }
     }
@@ -69,7 +69,7 @@ impl ProbeRecord {
         gain(&self.one_ray_per_lane_ms, &self.many_rays_per_lane_ms)
     }
 
-    /// The means that the rule takes.
+    /// The launch settings that the rule takes.
     pub fn launch(&self) -> LaunchSettings {
         let memory_access = if self.texture_gain() >= MARGIN { "texture" } else { "buffer" };
         LaunchSettings::new(memory_access, if self.many_rays_gain() >= MARGIN { self.many_rays } else { 1 })
@@ -82,10 +82,10 @@ fn gain(plain: &[f64], other: &[f64]) -> f64 {
     if found.is_finite() { found } else { 1.0 }
 }
 
-/// The means of every tracer for which none are set, and how they were found.
+/// The launch settings of every tracer for which none are set, and how they were found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaunchRecord {
-    /// The means.
+    /// The launch settings.
     #[serde(flatten)]
     pub launch: LaunchSettings,
     /// What they were told by; none where they were given.
@@ -94,7 +94,7 @@ pub struct LaunchRecord {
 }
 
 impl TracerRecord {
-    /// Its means; none of a tracer that has no such choice.
+    /// Its launch settings; none of a tracer that has no such choice.
     pub fn launch(&self) -> Option<LaunchSettings> {
         let memory_access = self.parameters.get(MEMORY_ACCESS)?.as_str()?;
         Some(LaunchSettings::new(memory_access, self.parameters.get(RAYS_PER_LANE)?.as_u64()?))
@@ -111,7 +111,7 @@ pub struct AtLaunchSettings<R> {
 }
 
 /// Two methods at equal launch settings and at each one's best. `one` and `other` are rows of each method that differ in their launch
-/// settings alone; a row without means stands beside every one of the other. `time_ms` is how long a row took, of a build or of a trace
+/// settings alone; a row without launch settings stands beside every one of the other. `time_ms` is how long a row took, of a build or of a trace
 /// (rows without a time are left out), `ratio` is what is made of two rows.
 pub fn at_launch_settings<'r, R>(
     one: &[&'r Row],
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(ProbeRecord::default().launch(), LaunchSettings::new("buffer", 1));
     }
 
-    /// Rows of a tracer at means, with the speed at each.
+    /// Rows of a tracer at launch settings, with the speed at each.
     fn rows(name: &str, speeds: &[(&str, u64, f64)]) -> Vec<Row> {
         let row = |&(memory_access, rays, speed): &(&str, u64, f64)| {
             let quality = Quality { missed: 0.0, blur: 0.0, speed, clock: ClockKind::DeviceTimestamps };
@@ -226,14 +226,14 @@ mod tests {
 
     /// Proves that a verdict is given where it is the same at every combination and at each one's best, and none where one combination
     /// differs, where the best differ though equal launch settings agree (the negative controls), and where nothing was timed; a method
-    /// without means stands beside every combination of the other.
+    /// without launch settings stands beside every combination of the other.
     #[test]
     fn verdicts_stand_at_equal_and_best_launch_settings() {
         let one = rows("one", &[("buffer", 1, 2.0), ("texture", 1, 4.0)]);
         assert_eq!(faster(&one, &rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0)])), (2, Some(true)));
         assert_eq!(faster(&rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0)]), &one), (2, Some(false)));
         assert_eq!(faster(&one, &rows("other", &[("buffer", 1, 3.0), ("texture", 1, 3.5)])), (2, None));
-        // The other has means that the one does not have, and is best by them.
+        // The other has launch settings that the one does not have, and is best by them.
         let further = rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0), ("texture", 32, 9.0)]);
         assert_eq!(faster(&one, &further), (2, None));
         let host = |speed| rows("host", &[("", 0, speed)]);

@@ -36,7 +36,7 @@ pub struct Times {
     /// Why they may not be believed, whatever else of the row may.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub invalid: Option<String>,
-    /// By what they were multiplied to be as in the first resident batch ([`Record::aligned`](super::Run::aligned)); never kept.
+    /// By what they were multiplied to be as in the first resident batch ([`Record::aligned`](super::Record::aligned)); never kept.
     #[serde(skip)]
     pub anchor_scale: Option<f64>,
 }

@@ -37,7 +37,7 @@ fn set_times(times: &mut Value, median_ms: f64) {
 #[test]
 fn a_run_is_the_same_as_itself() {
     let bench = Bench::new();
-    bench.run(&["--tracer", "all", "--rays", "primary,ao", "--samples", "5"], "out");
+    bench.run(&["--tracer", "bvh-cpu,bvh-gpu,screen-dda", "--rays", "primary,ao", "--samples", "5"], "out");
     let outcome = bench.call(&["compare", "out", "out/run.json", "--fail-on-regression", "--threshold", "0"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(

@@ -212,7 +212,8 @@ fn views_of_nothing_say_so() {
             let out = bench.text("out");
             let tunes = verb.contains(&"--choose");
             let tracer = match verb[0] {
-                "table" | "need" => &[][..],
+                "table" => &[][..],
+                "need" => &["--tracer", "dirt"],
                 "sweep" if tunes => &["--tracer", "screen-dda", "--over", "thickness=0,1"],
                 "explain" => &["--tracer", "quadtree"],
                 _ => &cpu,

@@ -294,7 +294,7 @@ fn without_an_adapter() {
     assert!(bench.result("host")["skipped"].as_array().unwrap().is_empty());
     let doctor = bench.call_without_adapter(&["doctor", "--json"]);
     let said: Value = serde_json::from_str(&doctor.stdout).unwrap();
-    assert_eq!((doctor.status, &said["adapters"], &said["taken"]), (0, &json!([]), &Value::Null), "{doctor:?}");
+    assert_eq!((doctor.status, &said["adapters"], &said["chosen"]), (0, &json!([]), &Value::Null), "{doctor:?}");
     assert!(said["missing"][0]["do"].as_str().unwrap().contains("setup.sh"), "{doctor:?}");
     assert_eq!(bench.call_without_adapter(&["list", "tracers"]).status, 0);
 }

@@ -48,14 +48,14 @@ fn lists() {
     let machine: Value = serde_json::from_str(&bench.call(&["doctor", "--json"]).stdout).unwrap();
     let adapters = machine["adapters"].as_array().unwrap();
     assert!(!adapters.is_empty(), "there is no adapter; setup.sh installs one");
-    let taken = &adapters[machine["taken"].as_u64().unwrap() as usize];
-    assert_eq!(machine["machine"]["adapter"]["name"], taken["name"]);
+    let chosen = &adapters[machine["chosen"].as_u64().unwrap() as usize];
+    assert_eq!(machine["machine"]["adapter"]["name"], chosen["name"]);
     assert!(
-        taken["max_buffer_bytes"].as_u64().unwrap() > 0 && machine["machine"]["threads"].as_u64().unwrap() > 0,
+        chosen["max_buffer_bytes"].as_u64().unwrap() > 0 && machine["machine"]["threads"].as_u64().unwrap() > 0,
         "{machine}"
     );
     let text = bench.call(&["doctor"]).stdout;
-    assert!(text.contains(taken["name"].as_str().unwrap()) && text.contains("\ntaken: 0; buffers of "), "{text}");
+    assert!(text.contains(chosen["name"].as_str().unwrap()) && text.contains("\nchosen: 0; buffers of "), "{text}");
     let missing = machine["missing"].as_array().unwrap();
     assert!(
         missing.iter().all(|each| text.contains(&format!("missing: {}", each["what"].as_str().unwrap()))),
@@ -63,7 +63,7 @@ fn lists() {
     );
     assert_eq!(
         missing.iter().any(|each| each["what"].as_str().unwrap().contains("software")),
-        taken["kind"] == "software"
+        chosen["kind"] == "software"
     );
     for help in [vec!["--help"], vec!["--version"], vec!["run", "--help"]] {
         let outcome = bench.call(&help);

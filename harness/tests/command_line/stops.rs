@@ -48,6 +48,7 @@ fn told(bench: &Bench) -> Value {
 /// Proves that a step ends when its reproduction is killed or stopped; that one which is stopped waits for it, writes its page and says how
 /// to go on; and that a step goes on from its interleaved sets, is measured once, and is waited for where another process is at it.
 #[test]
+#[ignore = "wider set: a reproduction is killed, stopped and resumed, half a minute"]
 fn a_step_ends_with_its_reproduction() {
     let bench = Bench::new();
     let front = bench.path("all/front");
@@ -125,8 +126,11 @@ fn what_is_stopped_says_how_to_go_on() {
     let bench = Bench::new();
     let scene = ["--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--scene", "room", "--out"];
     for (verb, signal, number) in [("pareto", "-INT", 2), ("need", "-TERM", 15)] {
-        let tracers: &[&str] =
-            if verb == "pareto" { &["--points", "2", "--tracer", "dirt,bvh-cpu"] } else { &["--tracer", "dirt"] };
+        let tracers: &[&str] = if verb == "pareto" {
+            &["--points", "2", "--tracer", "screen-dda,bvh-cpu"]
+        } else {
+            &["--tracer", "screen-dda"]
+        };
         let words = [&[verb], &scene[..], &[verb], tracers].concat();
         let child = begin(&bench, &words);
         until("a race", || !interleaved_sets(&bench.path(verb)).is_empty());
@@ -140,7 +144,7 @@ fn what_is_stopped_says_how_to_go_on() {
     let lock = bench.path("lock");
     let held = File::create(&lock).unwrap();
     held.lock().unwrap();
-    let words = [&["pareto"], &scene[..], &["early/one"]].concat();
+    let words = [&["pareto"], &scene[..], &["early/one", "--tracer", "bvh-cpu"]].concat();
     let mut command = bench.command(&words);
     command.env("TRACEBENCH_LOCK", &lock);
     let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

@@ -204,11 +204,11 @@ fn figures(run: &Record) -> Vec<String> {
     run.controls.iter().chain(&run.rows).map(row).collect()
 }
 
-/// Proves the same of every ninth case, and that the program still finds what the committed matrix says of them: where that says
+/// Proves the same of every eighteenth case, and that the program still finds what the committed matrix says of them: where that says
 /// otherwise by two percentage points it is noticed. Of one of them rays, truth and answers are the same on every run.
 #[test]
 fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
-    let cases: Vec<&Case> = CASES.iter().skip(1).step_by(9).collect();
+    let cases: Vec<&Case> = CASES.iter().skip(1).step_by(18).collect();
     let found = run_cases(&cases);
     check(&cases, &found);
     let mut committed = ["", "improved"].map(|folder| Stability::of(&committed(folder)).unwrap());
@@ -217,7 +217,7 @@ fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
     let wires = committed[0].cases.iter_mut().find(|case| case.case.name == "wires").unwrap();
     wires.cells[0].measured[0].wrong.as_mut().unwrap().hit_miss += 0.02;
     assert_eq!(differing(&matrix, &committed), ["wires, bvh-cpu"]);
-    let again = figures(&run_cases(&cases[3..]));
+    let again = figures(&run_cases(&cases[1..]));
     assert!(again.len() > 30);
     let known = figures(&found);
     assert!(again.iter().all(|row| known.contains(row)), "an answer is another one");

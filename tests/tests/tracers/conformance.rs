@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::hostile::{Subject, scenes, small_scenes, subjects};
+use crate::hostile::{Hostile, Subject, scenes, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,
@@ -50,11 +50,9 @@ fn wrong_by_itself(subject: &Subject, geometry: &Geometry, ray: &Ray, hit: &Hit)
 /// Proves for every tracer, preset, scene and query: every ray is answered, with a status, t and triangle that can be;
 /// two traces and two builds give the same bits; the counting variant gives the same hits and counts something; the
 /// structure validates.
-#[test]
-fn answers_are_whole_and_repeatable() {
-    let scenes = scenes();
+fn whole_and_repeatable(scenes: &[Hostile]) {
     for subject in subjects() {
-        for scene in &scenes {
+        for scene in scenes {
             let structures = [0, 1].map(|_| subject.build(&scene.geometry, &scene.viewpoints[0]));
             for query in [Query::Closest, Query::Any] {
                 let context = format!("{} {:?} on {}, {query:?}", subject.name, subject.parameters, scene.name);
@@ -85,6 +83,19 @@ fn answers_are_whole_and_repeatable() {
             assert!(statistics.iter().all(|(_, value)| value.is_finite()));
         }
     }
+}
+
+/// See [`whole_and_repeatable`].
+#[test]
+fn answers_are_whole_and_repeatable() {
+    whole_and_repeatable(&small_scenes());
+}
+
+/// See [`whole_and_repeatable`], with lists of thousands of equal triangles.
+#[test]
+#[ignore = "wider set: long lists, half a minute; on the second driver on every commit"]
+fn answers_are_whole_and_repeatable_in_long_lists() {
+    whole_and_repeatable(&scenes());
 }
 
 /// Proves for every tracer that what its description says it serves is what its structures serve, and that it refuses

@@ -108,12 +108,13 @@ fn fetched_is_gathered(cases: &[Expected<'_>]) {
 
 #[test]
 fn what_is_fetched_is_what_is_gathered() {
-    fetched_is_gathered(&[
-        (&[], 0..=0),
-        (&[("tile_size", "1")], 0..=0),
-        (&[("tile_size", "8")], 0..=0),
-        (&[("centre", "eye"), ("buckets", "3")], 0..=0),
-    ]);
+    fetched_is_gathered(&[(&[], 0..=0), (&[("centre", "eye"), ("buckets", "3")], 0..=0)]);
+}
+
+#[test]
+#[ignore = "wider set: other sizes of tiles, a dozen seconds"]
+fn what_is_fetched_is_what_is_gathered_by_other_tiles() {
+    fetched_is_gathered(&[(&[("tile_size", "1")], 0..=0), (&[("tile_size", "8")], 0..=0)]);
 }
 
 #[test]

@@ -225,6 +225,7 @@ fn every_variant_gives_the_same_bits_by_pixels() {
 }
 
 #[test]
+#[ignore = "wider set: as by pixels, by the pyramid, a dozen seconds"]
 fn every_variant_gives_the_same_bits_by_hi_z() {
     every_variant_of("hi-z");
 }

@@ -1,4 +1,4 @@
-//! The figures: a new one stands here alone, and with that in every table and chart.
+//! The figures: a new one is a constant and its place in [`METRICS`], which makes it a column of `rows.csv`.
 
 use tracebench_api::Query;
 

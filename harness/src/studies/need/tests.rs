@@ -16,7 +16,7 @@ fn preset() -> RunPreset {
     RunPreset::named("quick").unwrap()
 }
 
-/// Proves that every room's steps are values that its tracer takes, that they shrink its own, and that all of a tracer are there at a
+/// Proves that every registration's steps are values that its tracer takes, that they shrink its own, and that all of a tracer are there at a
 /// time; and what is left out is what is no smaller.
 #[test]
 fn steps_are_of_rooms() {

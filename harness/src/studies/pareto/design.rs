@@ -36,7 +36,7 @@ pub struct Designed {
     pub point: FrontPoint,
 }
 
-/// What may be changed of a tracer: the resolution where it matters, what its room says is swept, then every other parameter that has
+/// What may be changed of a tracer: the resolution where it matters, what its registration says is swept, then every other parameter that has
 /// values worth sweeping, in the order of its description. Means are equal for all, and what its room puts aside is left out, as is what
 /// changes nothing beside the request's other values.
 pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(order(&[]), vec![BTreeMap::new()]);
     }
 
-    /// Proves that values go outwards from the own one, that means, what rooms put aside and what cannot matter are no axes, and that only
+    /// Proves that values go outwards from the own one, that means, what registrations exclude and what cannot matter are no axes, and that only
     /// tracers whose structures hang on the resolution have one.
     #[test]
     fn axes_are_those_of_descriptions() {

@@ -1,5 +1,5 @@
 //! The shares of wrong rays that are expected where they are not none: a file with a line a tracer and case and a column a kind of adapter,
-//! which is made of records. Why rays are wrong is in the tracers' rooms.
+//! which is made of records. Why rays are wrong is in the tracers' registrations.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -104,7 +104,7 @@ impl ExpectedShares {
     /// Takes what a record of cases measured into the column of its adapter, and leaves out what no tracer is expected to be any more.
     ///
     /// # Errors
-    /// [`ExpectedError::Record`] if it is of no cases, of changed parameters or of a invalid case.
+    /// [`ExpectedError::Record`] if it is of no cases, of changed parameters or of an invalid case.
     pub fn take(&mut self, record: &Record) -> Result<(), ExpectedError> {
         let refuse = |reason: String| Err(ExpectedError::Record(reason));
         let Some(found) = Stability::of(record) else { return refuse("it is not of stability cases".to_owned()) };
