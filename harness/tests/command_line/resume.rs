@@ -72,7 +72,7 @@ fn what_has_ended_survives_being_killed() {
     let out = bench.path("out");
     let mut kills = 0;
     let mut adaptive: &[&str] = &["--out", "out"];
-    for wanted in 1..=3 {
+    for wanted in 1..=4 {
         let before = interleaved_sets(&out);
         let mut child = bench.command(&sweep(adaptive)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         // Killed (SIGKILL) as soon as another interleaved set has ended.
