@@ -176,7 +176,7 @@ fn tell_left() {
 }
 
 // Of `trace_unanswered`: a ray is given up where loops are cut off.
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32) {
     begin_lane();
     begin_ray(rays[index]);
     if (passes_eye) {

@@ -56,6 +56,8 @@ var<private> best: Best;
 var<private> found: bool;
 var<private> capped: bool;
 var<private> steps: u32;
+// Views that the search was in, a bit each.
+var<private> visited: u32;
 #ifdef COUNTERS
 var<private> work: vec4<u32>;
 #endif
@@ -229,8 +231,8 @@ fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
     }
 }
 
-// Searches for a ray, and gives the views that it was in, a bit each. `open` tells whether it was cut off.
-fn search_ray(asked: Ray) -> u32 {
+// Searches for a ray. `open` tells whether it was cut off.
+fn find_hit(asked: Ray) {
     ray = asked;
     frame = ray_frame(ray.origin, ray.direction);
     best = Best(ray.t_max, NO_PRIMITIVE, 0.0, 0.0);
@@ -241,7 +243,7 @@ fn search_ray(asked: Ray) -> u32 {
 #ifdef COUNTERS
     work = vec4<u32>(0u);
 #endif
-    var visited = 0u;
+    visited = 0u;
     if (CENTRES) {
         var each = 0u;
         open += 1u;
@@ -317,11 +319,10 @@ fn search_ray(asked: Ray) -> u32 {
             break;
         }
     }
-    return visited;
 }
 
-// The answer of a search that was in these views.
-fn answer(visited: u32) -> Hit {
+// The answer of the search.
+fn answer() -> Hit {
     if (capped || open > 0u) {
         return miss(STATUS_STEP_CAP);
     }
@@ -331,12 +332,12 @@ fn answer(visited: u32) -> Hit {
     return miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
 }
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
-    let visited = search_ray(rays[index]);
-    if (open > 0u && !is_alone) {
-        return;
-    }
-    hits[index] = answer(visited);
+override fn tracebench::lanes::search_ray(index: u32) {
+    find_hit(rays[index]);
+}
+
+override fn tracebench::lanes::answer_ray(index: u32) {
+    hits[index] = answer();
 #ifdef COUNTERS
     counts[index] = work;
 #endif

@@ -30,7 +30,11 @@ const BEFORE_CAMERA: u32 = 0u;
 const IN_CAMERA: u32 = 1u;
 const AFTER_CAMERA: u32 = 2u;
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+// Views that the search was in, and whether these hold all of the ray.
+var<private> entered: u32;
+var<private> seen_whole: bool;
+
+override fn tracebench::lanes::search_ray(index: u32) {
     // Nothing is left of the ray before.
     found = false;
     capped = false;
@@ -49,7 +53,7 @@ override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     var stage = select(AFTER_CAMERA, BEFORE_CAMERA, sees_camera);
     var now = ray.t_min;
     var visited = 0u;
-    var entered = 0u;
+    entered = 0u;
     // The face that the ray is known to be in next.
     var hint = search.view_count;
     open += 1u;
@@ -114,16 +118,16 @@ override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
             break;
         }
     }
-    if (open > 0u && !is_alone) {
-        return;
-    }
+    seen_whole = entered > 0u && (has_faces || (camera.begin <= ray.t_min && camera.end >= ray.t_max));
+}
+
+override fn tracebench::lanes::answer_ray(index: u32) {
     if (capped || open > 0u) {
         found = false;
         hits[index] = miss(STATUS_STEP_CAP);
     } else if (found) {
         hits[index] = Hit(found_t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT);
     } else {
-        let seen_whole = entered > 0u && (has_faces || (camera.begin <= ray.t_min && camera.end >= ray.t_max));
         hits[index] = miss(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole));
     }
 #ifdef SURFACES

@@ -167,7 +167,7 @@ fn search(ray: Ray) -> Answer {
     return Answer(nothing, work, vec2<i32>(0));
 }
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32) {
     let answer = search(rays[index]);
     hits[index] = answer.hit;
 #ifdef COUNTERS

@@ -136,7 +136,16 @@ fn sample_plane(number: u32) -> f32 {
 }
 #endif
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+// Views that the search was in, the last of them, and whether they hold all of the ray.
+var<private> entered: u32;
+var<private> number: u32;
+var<private> seen_whole: bool;
+var<private> hit: bool;
+#ifdef SECONDARY
+var<private> weight: f32;
+#endif
+
+override fn tracebench::lanes::search_ray(index: u32) {
     // Nothing is left of the ray before.
     capped = false;
     steps = 0u;
@@ -150,9 +159,9 @@ override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     ray = rays[index];
     var now = ray.t_min;
     var visited = 0u;
-    var entered = 0u;
-    var seen_whole = false;
-    var number = 0u;
+    entered = 0u;
+    seen_whole = false;
+    number = 0u;
     // The view that the ray is known to be in next.
     var hint = search.view_count;
     open += 1u;
@@ -208,16 +217,16 @@ override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
         }
     }
     // The pixel takes part where no surface is asked for, too: else compilers make other sums of the place that both it and t come from.
-    let hit = best_place <= 1.0 && all(best_pixel < vec2<u32>(65536u));
+    hit = best_place <= 1.0 && all(best_pixel < vec2<u32>(65536u));
 #ifdef SECONDARY
-    var weight = 0.0;
+    weight = 0.0;
     if (hit && !best_inpainted) {
         weight = sample_plane(number);
     }
 #endif
-    if (open > 0u && !is_alone) {
-        return;
-    }
+}
+
+override fn tracebench::lanes::answer_ray(index: u32) {
     let is_found = hit && !capped && open == 0u;
     let depth = depth_of_z(forest, best_z);
     let t = clamp(t_on(track.line, best_place, depth), ray.t_min, ray.t_max);

@@ -341,7 +341,7 @@ fn march(ray: Ray) -> Answer {
     return no_hit(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole), work);
 }
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32) {
     let answer = march(rays[index]);
     hits[index] = answer.hit;
 #ifdef COUNTERS

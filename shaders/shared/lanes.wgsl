@@ -53,16 +53,25 @@ var<private> open: u32;
 // Whether a ray of the workgroup has no answer.
 var<workgroup> unanswered: atomic<u32>;
 
-virtual fn answer_ray(index: u32, is_alone: bool) {
-    // What a search has of its own. A ray that was cut off and is not alone in its lane is left without an answer. (naga_oil joins
-    // `virtual` to the line before, which must not be a comment.)
+virtual fn search_ray(index: u32) {
+    // What a search that counts its open loops has of its own: what it found stays in private variables. (naga_oil joins `virtual` to the
+    // line before, which must not be a comment.)
 }
 
-// The rays of a lane, one after the other.
+virtual fn answer_ray(index: u32) {
+    // Writes the answer; a search that counts no loops is in here, whole.
+}
+
+// The rays of a lane, one after the other. The way out of the loop lies between search and answer: where it lay behind
+// both, Mesa's software driver took 1.4 to 1.9 times as long over `voxel-abuffer`.
 fn answer_rays(invocation: Invocation, ray_count: u32, rays_per_lane: u32) {
     var turns = turns_of(invocation, 0u, ray_count, rays_per_lane);
     while (turns.ray < turns.end) {
-        answer_ray(turns.ray, rays_per_lane == 1u);
+        search_ray(turns.ray);
+        if (open > 0u && rays_per_lane > 1u) {
+            break;
+        }
+        answer_ray(turns.ray);
         turns.ray += BLOCK_LANES;
     }
 }
@@ -75,7 +84,8 @@ fn answer_again(index: u32, ray_count: u32, is_unanswered: bool) {
     }
     workgroupBarrier();
     if (atomicLoad(&unanswered) == 1u && index < ray_count) {
-        answer_ray(index, true);
+        search_ray(index);
+        answer_ray(index);
     }
 }
 

@@ -173,7 +173,7 @@ fn surface_of_hit() -> Surface {
 var<private> found_surface: Surface;
 #endif
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+override fn tracebench::lanes::search_ray(index: u32) {
     find_hit(rays[index]);
 #ifdef SURFACES
     found_surface = no_surface(SURFACE_NO_HIT);
@@ -181,9 +181,9 @@ override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
         found_surface = surface_of_hit();
     }
 #endif
-    if (open > 0u && !is_alone) {
-        return;
-    }
+}
+
+override fn tracebench::lanes::answer_ray(index: u32) {
     if (open > 0u) {
         hits[index] = miss(STATUS_STEP_CAP);
     } else if (found) {

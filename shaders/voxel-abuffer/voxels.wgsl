@@ -65,7 +65,7 @@ fn find_hit(ray: Ray) -> Answer {
     return Answer(miss(STATUS_STEP_CAP), stepped);
 }
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32) {
     let answer = find_hit(rays[index]);
     hits[index] = answer.hit;
 #ifdef COUNTERS

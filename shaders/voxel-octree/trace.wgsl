@@ -176,7 +176,7 @@ fn surface_of(ray: Ray, answer: Answer) -> Surface {
 }
 #endif
 
-override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32) {
     let answer = find_hit(rays[index]);
     hits[index] = answer.hit;
 #ifdef SURFACES
