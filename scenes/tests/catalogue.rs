@@ -1,7 +1,7 @@
 //! What holds for every procedural scene.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use std::collections::HashSet;
 

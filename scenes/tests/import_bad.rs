@@ -1,7 +1,7 @@
 //! What is wrong with a file ends in a message that says so, never in a panic, and never in a huge allocation.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use serde_json::{Value, json};
 use support::{Doc, SQUARE, promises};

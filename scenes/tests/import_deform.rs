@@ -1,7 +1,7 @@
 //! Skins and morph targets against positions worked out by hand.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use serde_json::{Value, json};
 use support::motion::{at, far, same};

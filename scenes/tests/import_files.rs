@@ -1,7 +1,7 @@
 //! Buffers from files and data URIs, cameras, extensions, and what is ignored with a word.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use std::fs;
 

@@ -1,7 +1,7 @@
 //! Every form in which glTF may hold triangles comes out as the same triangles.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use serde_json::json;
 use support::{Doc, SQUARE, facing, float_bytes, triangles};

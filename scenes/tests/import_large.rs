@@ -1,7 +1,7 @@
 //! Ten million triangles in one file: time and memory of the import.
 //!
 //! ```text
-//! cargo test --release -p tracebench-scenes --test import_large -- --ignored --nocapture
+//! cargo test --release -p tracebench-scenes --test scenes -- import_large --ignored --nocapture
 //! ```
 #![allow(missing_docs)]
 

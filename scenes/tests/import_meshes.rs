@@ -1,7 +1,7 @@
 //! Real meshes, where there are any: set `TRACEBENCH_MESHES` to a folder with `.glb` and `.gltf` files.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! Files as exporters write them: what nothing here depends on is no reason to refuse one, and what is wrong is told with its place.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use serde_json::{Value, json};
 use support::{Doc, SQUARE};

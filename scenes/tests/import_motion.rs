@@ -1,7 +1,7 @@
 //! Node animation: positions over time against numbers worked out by hand from the glTF specification.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use serde_json::json;
 use support::motion::{at, far, same};

@@ -1,7 +1,7 @@
 //! Random animated files: whatever they hold, the import answers within its promises.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use serde_json::{Value, json};
 use support::promises::{self, Outcome};

@@ -1,7 +1,7 @@
 //! The procedural scene `room` and the catalogue.
 #![allow(missing_docs)]
 
-mod support;
+use crate::support;
 
 use std::collections::{BTreeMap, HashSet};
 

@@ -1,6 +1,6 @@
 //! `bvh-gpu` by both kinds of node against `bvh-cpu`, which traverses the same hierarchy, and where it reaches limits.
 
-mod subject;
+use crate::subject;
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! `lbvh-gpu` by both kinds of node against `bvh-gpu`, whose hierarchies obvhs builds: a hit depends on the triangles alone,
 //! so sound hierarchies over the same triangles give the same hits, bit for bit.
 
-mod subject;
+use crate::subject;
 
 use std::sync::Arc;
 

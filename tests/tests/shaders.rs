@@ -1,7 +1,7 @@
 //! The WGSL as composed: layouts, constants and entry points against the Rust side, and the shared projection on the
 //! device against f64.
 
-mod layouts;
+use crate::layouts;
 
 use std::collections::BTreeMap;
 use std::mem::size_of;

@@ -1,6 +1,6 @@
 //! How much of what is stored a set of rays touched, of every tracer that counts it.
 
-mod subject;
+use crate::subject;
 
 use std::sync::Arc;
 

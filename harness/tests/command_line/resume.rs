@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::*;
 
 /// A sweep over two scenes with two ray sets: twelve interleaved sets or so, of points that share structures and points that do not.
-const SWEEP: [&str; 17] = [
+const SWEEP: [&str; 19] = [
     "sweep",
     "--quiet",
     "--preset",
@@ -23,10 +23,12 @@ const SWEEP: [&str; 17] = [
     "1",
     "--scene",
     "room,candy",
+    "--tracer",
+    "screen-dda",
     "--over",
-    "buckets=4,24",
+    "layers=1,2",
     "--over",
-    "searched",
+    "stride=1,4",
     "--rays",
 ];
 

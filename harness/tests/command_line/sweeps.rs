@@ -14,17 +14,17 @@ fn sweep(bench: &Bench, arguments: &[&str]) -> Outcome {
 fn points_are_those_of_runs() {
     let bench = Bench::new();
     let over =
-        ["--over", "buckets=4,24", "--over", "resolution=1/2,tile_size=4", "--rays", "diffuse,ao", "--out", "out"];
-    let outcome = sweep(&bench, &over);
+        ["--over", "layers=1,2", "--over", "resolution=1/2,stride=4", "--rays", "diffuse,ao", "--out", "out"];
+    let outcome = sweep(&bench, &[&["--tracer", "screen-dda"], &over[..]].concat());
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    assert!(outcome.page.contains("| 24 * |") && outcome.page.contains("| 1/2 | 64×32, 32 |"), "{}", outcome.page);
+    assert!(outcome.page.contains("| 1 * |") && outcome.page.contains("| 1/2 | 64×32, 32 |"), "{}", outcome.page);
     assert!(outcome.page.contains("all score what they must"), "{}", outcome.page);
     let found = bench.result("out");
     let rows = found["rows"].as_array().unwrap();
     assert_eq!((rows.len(), found["sweep"]["points"].as_array().unwrap().len()), (4, 4));
-    let named = "dirt,dirt@buckets=4,dirt@tile_size=4";
+    let named = "screen-dda,screen-dda@layers=2,screen-dda@stride=4";
     bench.run(&["--tracer", named, "--rays", "diffuse,ao"], "plain");
-    bench.run(&["--tracer", "dirt", "--rays", "diffuse,ao", "--frame-size", "64x32", "--face-size", "32"], "half");
+    bench.run(&["--tracer", "screen-dda", "--rays", "diffuse,ao", "--frame-size", "64x32", "--face-size", "32"], "half");
     let mut plain = bench.result("plain")["rows"].as_array().unwrap().clone();
     plain.extend(bench.result("half")["rows"].as_array().unwrap().clone());
     let key = |one: &Value| (one["tracer"]["parameters"].clone(), one["viewpoint"]["face"].clone());
@@ -40,7 +40,7 @@ fn points_are_those_of_runs() {
     assert!(answers(&plain[0]) != answers(&plain[1]) && answers(&plain[0]) != answers(&plain[3]));
     let before = names(&bench.path("out"));
     for wanted in
-        ["rows.csv", "sweep.md", "sweep_room_buckets_diffuse.svg", "sweep_room_resolution_ao.png", "summary.md"]
+        ["rows.csv", "sweep.md", "sweep_room_layers_diffuse.svg", "sweep_room_resolution_ao.png", "summary.md"]
     {
         assert!(before.contains(wanted), "{before:?}");
     }
@@ -54,16 +54,16 @@ fn points_are_those_of_runs() {
 #[test]
 fn what_is_too_large_is_skipped() {
     let bench = Bench::new();
-    let outcome = sweep(&bench, &["--grid", "resolution=64,tile_size=8", "--set", "dirt.tile_size=1", "--out", "out"]);
+    let outcome = sweep(&bench, &["--tracer", "screen-dda", "--grid", "resolution=64,layers=4", "--out", "out"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let found = bench.result("out");
     let (rows, points) = (found["rows"].as_array().unwrap(), found["sweep"]["points"].as_array().unwrap());
     let skipped: Vec<_> = points.iter().filter(|point| point["skipped"]["room"].is_string()).collect();
     assert!(points.len() == 4 && rows.len() + skipped.len() == 4, "{found}");
-    assert_eq!((&skipped[0]["values"]["resolution"], &skipped[0]["values"]["tile_size"]), (&json!("64"), &json!("1")));
+    assert_eq!((&skipped[0]["values"]["resolution"], &skipped[0]["values"]["layers"]), (&json!("64"), &json!("4")));
     let reasons = found["skipped"].as_array().unwrap();
     assert_eq!(reasons.len(), skipped.len());
-    assert!(reasons[0]["reason"].as_str().unwrap().starts_with("resolution=64: "), "{reasons:?}");
+    assert!(reasons[0]["reason"].as_str().unwrap().starts_with("resolution=64 layers=4: "), "{reasons:?}");
     assert!(outcome.page.contains("skipped, see below"));
 }
 

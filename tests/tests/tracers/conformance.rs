@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::hostile::{Hostile, Subject, scenes, small_scenes, subjects};
+use super::hostile::{Hostile, Subject, scenes, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,

@@ -1,6 +1,6 @@
 //! Builds in compute shaders, of every tracer that offers them (`build=compute`), over hostile scenes.
 
-use crate::hostile::{Subject, small_scenes, subjects};
+use super::hostile::{Subject, small_scenes, subjects};
 use tracebench_api::{Domain, Geometry, Hit, PhaseClock, Query, Structure, TracerError, Update, Viewpoint};
 use tracebench_harness::registry::find;
 

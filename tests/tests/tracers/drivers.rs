@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::hostile::{Subject, scenes, subjects};
+use super::hostile::{Subject, scenes, subjects};
 use tracebench_api::{Hit, NO_PRIMITIVE, Query};
 use tracebench_tests::gpu;
 

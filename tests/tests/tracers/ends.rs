@@ -5,7 +5,7 @@ use tracebench_api::{Hit, Preset, Query, Ray};
 use tracebench_harness::truth::{Ray64, Truth};
 use tracebench_tests::{gpu, ray, rectangle, soup, viewpoint};
 
-use crate::hostile::subjects;
+use super::hostile::subjects;
 
 /// Proves that truth and every method that names triangles count a hit at either end of a ray, and none that lies four ulps of the
 /// coordinates beyond one, over plates on which every number is exact in f32, up to a million units from the origin; and that no method

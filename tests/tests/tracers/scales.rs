@@ -6,7 +6,7 @@ use tracebench_harness::truth::{Ray64, Truth, tight_tolerance};
 use tracebench_scenes::{MAX_COORDINATE, MIN_DIAGONAL, procedural};
 use tracebench_tests::{Numbers, gpu, viewpoint};
 
-use crate::hostile::{Subject, subjects};
+use super::hostile::{Subject, subjects};
 
 /// A room, with the eye in it and rays from there and from surfaces. Its diagonal is 1.
 struct Room {

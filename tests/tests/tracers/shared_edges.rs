@@ -5,7 +5,7 @@ use tracebench_api::{Preset, Query, Ray};
 use tracebench_harness::registry::find;
 use tracebench_tests::{Numbers, ray, soup, viewpoint};
 
-use crate::hostile::{Subject, subjects};
+use super::hostile::{Subject, subjects};
 
 /// A mesh with rays that all hit it.
 struct Mesh {

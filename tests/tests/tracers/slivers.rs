@@ -4,7 +4,7 @@ use tracebench_api::PhaseClock;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_tests::{Numbers, gpu, soup, viewpoint};
 
-use crate::hostile::subjects;
+use super::hostile::subjects;
 
 type Corners = [[f32; 3]; 3];
 

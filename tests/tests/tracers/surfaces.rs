@@ -1,6 +1,6 @@
 //! What tracers leave at the end point `surface`: one body for every tracer in the registry, over tiny hostile scenes.
 
-use crate::hostile::{Subject, small_scenes, subjects};
+use super::hostile::{Subject, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Geometry, Hit, HitBuffer, Projection, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus, TraceTo,

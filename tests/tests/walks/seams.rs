@@ -5,7 +5,7 @@ use tracebench_api::{Ray, Viewpoint};
 use tracebench_kit::{ViewUniform, view_uniform};
 use tracebench_tests::Numbers;
 
-use crate::tasks::{Task, enter};
+use super::tasks::{Task, enter};
 
 const NEAR: f64 = 0.125;
 const FAR: f64 = 64.0;

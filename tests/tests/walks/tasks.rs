@@ -8,7 +8,7 @@ use tracebench_kit::{ViewUniform, bind_group_at, compute_pipeline, dispatch_line
 use tracebench_shaders::test::WALK_FUNCTIONS;
 use tracebench_tests::{Numbers, gpu};
 
-use crate::reference::{EyeRay, Span};
+use super::reference::{EyeRay, Span};
 
 /// `MAX_PIECES` of shaders/test/walk_functions.wgsl.
 pub const MAX_PIECES: usize = 96;

@@ -37,8 +37,12 @@ fn requests() -> Vec<TracerRequest> {
 }
 
 fn run_cases(cases: &[&Case]) -> Record {
+    run_cases_by(cases, &requests())
+}
+
+fn run_cases_by(cases: &[&Case], requests: &[TracerRequest]) -> Record {
     let (device, cache, quiet, journal) = (Ok(gpu()), Cache::none(), Progress::new(true), Journal::none());
-    stability::run(cases, &requests(), &Context::new(&device, &cache, &quiet, &journal)).unwrap()
+    stability::run(cases, requests, &Context::new(&device, &cache, &quiet, &journal)).unwrap()
 }
 
 /// What is wrong with a case itself, whatever tracers do.
@@ -204,11 +208,11 @@ fn figures(run: &Record) -> Vec<String> {
     run.controls.iter().chain(&run.rows).map(row).collect()
 }
 
-/// Proves the same of every eighteenth case, and that the program still finds what the committed matrix says of them: where that says
-/// otherwise by two percentage points it is noticed. Of one of them rays, truth and answers are the same on every run.
+/// Proves the same of one case, and that the program still finds what the committed matrix says of it: where that says otherwise by two
+/// percentage points it is noticed. Rays, truth and answers of published forms are the same on every run.
 #[test]
 fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
-    let cases: Vec<&Case> = CASES.iter().skip(1).step_by(18).collect();
+    let cases: Vec<&Case> = CASES.iter().filter(|case| case.name == "wires").collect();
     let found = run_cases(&cases);
     check(&cases, &found);
     let mut committed = ["", "improved"].map(|folder| Stability::of(&committed(folder)).unwrap());
@@ -217,7 +221,8 @@ fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
     let wires = committed[0].cases.iter_mut().find(|case| case.case.name == "wires").unwrap();
     wires.cells[0].measured[0].wrong.as_mut().unwrap().hit_miss += 0.02;
     assert_eq!(differing(&matrix, &committed), ["wires, bvh-cpu"]);
-    let again = figures(&run_cases(&cases[1..]));
+    let published: Vec<_> = requests().into_iter().filter(|request| request.preset == Preset::Published).collect();
+    let again = figures(&run_cases_by(&cases, &published));
     assert!(again.len() > 30);
     let known = figures(&found);
     assert!(again.iter().all(|row| known.contains(row)), "an answer is another one");
