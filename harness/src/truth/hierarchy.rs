@@ -66,7 +66,7 @@ impl Hierarchy {
                 continue;
             }
             let children = [&self.bvh.nodes[first], &self.bvh.nodes[first + 1]];
-            let entries = children.map(|child| slabs.entry(child, nearest));
+            let entries = [slabs.entry(children[0], nearest), slabs.entry(children[1], nearest)];
             // The nearer child is opened first: it goes on the stack last.
             let order = if entries[0] < entries[1] { [1, 0] } else { [0, 1] };
             for child in order {

@@ -48,8 +48,8 @@ impl Hierarchy {
                     if of.is_some_and(|(pieces, piece)| pieces.of_triangle(primitive) != piece) {
                         continue;
                     }
-                    let corners = geometry.corners(primitive).map(|corner| corner.as_dvec3());
-                    let distance = point.distance(nearest_point(point, corners));
+                    let [a, b, c] = geometry.corners(primitive);
+                    let distance = point.distance(nearest_point(point, [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()]));
                     if distance <= limit {
                         limit = distance;
                         best = Some(Nearest { distance, primitive });
@@ -57,12 +57,11 @@ impl Hierarchy {
                 }
                 continue;
             }
-            let mut children = [first, first + 1].map(|child| (distance_to(child), child));
+            let (one, other) = ((distance_to(first), first), (distance_to(first + 1), first + 1));
             // The nearer one is opened first: it goes on the stack last.
-            if children[0].0 < children[1].0 {
-                children.swap(0, 1);
-            }
-            open.extend(children);
+            let (farther, nearer) = if one.0 < other.0 { (other, one) } else { (one, other) };
+            open.push(farther);
+            open.push(nearer);
         }
         best
     }
@@ -129,11 +128,10 @@ pub fn nearest_point(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
         }
     }
     // Outside of the triangle, seen along its normal, the nearest point lies on an edge.
-    let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| nearest_on_edge(point, from, to));
     let nearer = |one: DVec3, other: DVec3| {
         if point.distance_squared(other) < point.distance_squared(one) { other } else { one }
     };
-    nearer(nearer(edges[0], edges[1]), edges[2])
+    nearer(nearer(nearest_on_edge(point, a, b), nearest_on_edge(point, b, c)), nearest_on_edge(point, c, a))
 }
 
 fn nearest_on_edge(point: DVec3, from: DVec3, to: DVec3) -> DVec3 {

@@ -100,11 +100,13 @@ impl Pieces {
     }
 
     /// The piece that a triangle is of.
+    #[inline]
     pub fn of_triangle(&self, triangle: u32) -> u32 {
         self.of_triangle[triangle as usize]
     }
 
     /// Whether a node of the hierarchy may hold a part of a piece.
+    #[inline]
     pub(super) fn node_may_hold(&self, node: usize, piece: u32) -> bool {
         let [low, high] = self.node_ranges[node];
         (low..=high).contains(&piece)

@@ -29,17 +29,20 @@ impl RayFrame {
         Some(Self { axes: [x, y, z], shear })
     }
 
+    #[inline]
     fn transform(&self, ray: &Ray64, corner: Vec3) -> DVec3 {
         let moved = corner.as_dvec3() - ray.origin;
-        let [x, y, z] = self.axes.map(|axis| moved[axis]);
+        let [x, y, z] = [moved[self.axes[0]], moved[self.axes[1]], moved[self.axes[2]]];
         DVec3::new(x - self.shear.x * z, y - self.shear.y * z, self.shear.z * z)
     }
 }
 
 /// The ray's parameter at the triangle, within the ray's span (ends included). A triangle seen exactly edge-on, or
 /// without area, is not hit.
+#[inline]
 pub fn intersect(frame: &RayFrame, ray: &Ray64, corners: [Vec3; 3]) -> Option<f64> {
-    let [a, b, c] = corners.map(|corner| frame.transform(ray, corner));
+    let [a, b, c] = corners;
+    let (a, b, c) = (frame.transform(ray, a), frame.transform(ray, b), frame.transform(ray, c));
     let u = c.x * b.y - c.y * b.x;
     let v = a.x * c.y - a.y * c.x;
     let w = b.x * a.y - b.y * a.x;

@@ -13,8 +13,7 @@ fn sweep(bench: &Bench, arguments: &[&str]) -> Outcome {
 #[test]
 fn points_are_those_of_runs() {
     let bench = Bench::new();
-    let over =
-        ["--over", "layers=1,2", "--over", "resolution=1/2,stride=4", "--rays", "diffuse,ao", "--out", "out"];
+    let over = ["--over", "layers=1,2", "--over", "resolution=1/2,stride=4", "--rays", "diffuse,ao", "--out", "out"];
     let outcome = sweep(&bench, &[&["--tracer", "screen-dda"], &over[..]].concat());
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.page.contains("| 1 * |") && outcome.page.contains("| 1/2 | 64×32, 32 |"), "{}", outcome.page);
@@ -24,7 +23,8 @@ fn points_are_those_of_runs() {
     assert_eq!((rows.len(), found["sweep"]["points"].as_array().unwrap().len()), (4, 4));
     let named = "screen-dda,screen-dda@layers=2,screen-dda@stride=4";
     bench.run(&["--tracer", named, "--rays", "diffuse,ao"], "plain");
-    bench.run(&["--tracer", "screen-dda", "--rays", "diffuse,ao", "--frame-size", "64x32", "--face-size", "32"], "half");
+    bench
+        .run(&["--tracer", "screen-dda", "--rays", "diffuse,ao", "--frame-size", "64x32", "--face-size", "32"], "half");
     let mut plain = bench.result("plain")["rows"].as_array().unwrap().clone();
     plain.extend(bench.result("half")["rows"].as_array().unwrap().clone());
     let key = |one: &Value| (one["tracer"]["parameters"].clone(), one["viewpoint"]["face"].clone());

@@ -111,8 +111,10 @@ impl Geometry {
     }
 
     /// The corners of one triangle.
+    #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.triangles[triangle as usize].map(|vertex| Vec3::from(self.positions[vertex as usize]))
+        let [a, b, c] = self.triangles[triangle as usize];
+        [self.positions[a as usize].into(), self.positions[b as usize].into(), self.positions[c as usize].into()]
     }
 
     /// The surface at barycentric weights of a triangle's second and third corner, as shaders/shared/surface.wgsl gives it;
