@@ -215,6 +215,7 @@ fn every_variant_of(march: &str) {
 }
 
 #[test]
+#[ignore = "wider set: as by pixels, in steps, a dozen seconds"]
 fn every_variant_gives_the_same_bits_in_steps() {
     every_variant_of("steps");
 }

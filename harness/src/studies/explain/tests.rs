@@ -109,49 +109,56 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
 /// row, but for those rays that were right at first; so that no set has more than the share that may be unexplained.
 #[test]
 fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
-    let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
-    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
-    let context = Context::new(&device, &cache, &quiet, &journal);
     let sampled = |each: &&registry::Registration| each.otherwise.is_none() && !each.remedies.is_empty();
     let names: Vec<&str> = registry::TRACERS.iter().filter(sampled).map(registry::Registration::name).collect();
     assert_eq!(names, ["fragment-abuffer", "voxel-abuffer", "voxel-octree", "quadtree"]);
-    for name in names {
-        let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
-        let remedies = request.registration.remedies;
-        let record = execute(&in_the_room(&request, &["ao", "random"]), &request, remedies, &context).unwrap();
-        let found = record.explanation.unwrap();
-        assert!(found.judged && found.left_open().is_empty(), "{name}");
-        let of_steps: Vec<&str> = remedies.iter().map(|remedy| remedy.cause).collect();
-        let mut of_all = 0;
-        for (set, trace) in found.scenes[0].sets.iter().zip(&record.rows.last().unwrap().traces) {
-            let causes = trace.judgement.causes();
-            let of_row = causes.get("tight").or_else(|| causes.get("occlusion")).unwrap();
-            assert_eq!(of_row.values().sum::<u64>(), set.left(), "{name}, {}", set.rays);
-            assert_eq!(of_row.get(UNEXPLAINED).copied().unwrap_or(0), set.unexplained, "{name}, {}", set.rays);
-            let (mut explained, mut by_judge) = (0, 0);
-            for cause in found.causes() {
-                explained += set.of_cause(cause);
-                if !of_steps.contains(&cause) {
-                    by_judge += set.of_cause(cause);
-                    let most = of_row.get(cause).copied().unwrap_or(0);
-                    assert!(set.of_cause(cause) <= most, "{name}, {}: {cause}", set.rays);
-                }
+    // Side by side: none keeps all cores busy.
+    std::thread::scope(|scope| {
+        let found: Vec<_> =
+            names.into_iter().map(|name| scope.spawn(move || judge_explains_what_is_left(name))).collect();
+        found.into_iter().for_each(|found| found.join().unwrap());
+    });
+}
+
+fn judge_explains_what_is_left(name: &str) {
+    let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let context = Context::new(&device, &cache, &quiet, &journal);
+    let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
+    let remedies = request.registration.remedies;
+    let record = execute(&in_the_room(&request, &["ao", "random"]), &request, remedies, &context).unwrap();
+    let found = record.explanation.unwrap();
+    assert!(found.judged && found.left_open().is_empty(), "{name}");
+    let of_steps: Vec<&str> = remedies.iter().map(|remedy| remedy.cause).collect();
+    let mut of_all = 0;
+    for (set, trace) in found.scenes[0].sets.iter().zip(&record.rows.last().unwrap().traces) {
+        let causes = trace.judgement.causes();
+        let of_row = causes.get("tight").or_else(|| causes.get("occlusion")).unwrap();
+        assert_eq!(of_row.values().sum::<u64>(), set.left(), "{name}, {}", set.rays);
+        assert_eq!(of_row.get(UNEXPLAINED).copied().unwrap_or(0), set.unexplained, "{name}, {}", set.rays);
+        let (mut explained, mut by_judge) = (0, 0);
+        for cause in found.causes() {
+            explained += set.of_cause(cause);
+            if !of_steps.contains(&cause) {
+                by_judge += set.of_cause(cause);
+                let most = of_row.get(cause).copied().unwrap_or(0);
+                assert!(set.of_cause(cause) <= most, "{name}, {}: {cause}", set.rays);
             }
-            assert_eq!(explained, set.wrong_by_remedy[0], "{name}, {}", set.rays);
-            assert!(by_judge < explained, "{name}, {}: {by_judge} of {explained}", set.rays);
-            of_all += by_judge;
         }
-        // Planes over all three images may leave nothing wrong here that the judge would have to explain.
-        assert!(of_all > 0 || name == "voxel-abuffer", "{name}");
-        // Where more than the share is unexplained, or any at all of a method that does not sample, it is told of which set.
-        let opened = |judged, unexplained| {
-            let mut found = ExplanationRecord { judged, ..found.clone() };
-            found.scenes[0].sets.iter_mut().for_each(|set| set.unexplained = 0);
-            found.scenes[0].sets[0].unexplained = unexplained;
-            found.left_open().into_iter().map(|(scene, set)| (scene.to_owned(), set.rays.clone())).collect::<Vec<_>>()
-        };
-        let (first, share) = (vec![("room".to_owned(), "ao".to_owned())], found.scenes[0].sets[0].count / 50);
-        assert_eq!((opened(true, share), opened(true, share + 1)), (Vec::new(), first.clone()));
-        assert_eq!((opened(false, 0), opened(false, 1)), (Vec::new(), first));
+        assert_eq!(explained, set.wrong_by_remedy[0], "{name}, {}", set.rays);
+        assert!(by_judge < explained, "{name}, {}: {by_judge} of {explained}", set.rays);
+        of_all += by_judge;
     }
+    // Planes over all three images may leave nothing wrong here that the judge would have to explain.
+    assert!(of_all > 0 || name == "voxel-abuffer", "{name}");
+    // Where more than the share is unexplained, or any at all of a method that does not sample, it is told of which set.
+    let opened = |judged, unexplained| {
+        let mut found = ExplanationRecord { judged, ..found.clone() };
+        found.scenes[0].sets.iter_mut().for_each(|set| set.unexplained = 0);
+        found.scenes[0].sets[0].unexplained = unexplained;
+        found.left_open().into_iter().map(|(scene, set)| (scene.to_owned(), set.rays.clone())).collect::<Vec<_>>()
+    };
+    let (first, share) = (vec![("room".to_owned(), "ao".to_owned())], found.scenes[0].sets[0].count / 50);
+    assert_eq!((opened(true, share), opened(true, share + 1)), (Vec::new(), first.clone()));
+    assert_eq!((opened(false, 0), opened(false, 1)), (Vec::new(), first));
 }
