@@ -20,7 +20,8 @@ use crate::tables::Table;
 pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
     let of =
         |was: Kind| was == Kind::Table && kind == "table" || was == Kind::Parameter && kind.starts_with("parameter");
-    if let Some(is) = renames::renamed(of, name) {
+    // A parameter's name may stand behind its tracer's.
+    if let Some(is) = renames::renamed(of, name.rsplit('.').next().unwrap_or(name)) {
         return CliError::Argument(format!("{kind}: {is}"));
     }
     let near = known.iter().filter(|known| is_near(name, known));

@@ -31,6 +31,7 @@ const RENAMES: &[(Kind, &str, &str)] = &[
     (Kind::Option("run"), "--time", "--animation-time"),
     (Kind::Option("run"), "--interval", "--ratio-precision"),
     (Kind::Option("run"), "--means", "--launch"),
+    (Kind::Option("sweep"), "--rule", "--choose"),
     (Kind::Option("table"), "--part", "--few-rows"),
     (Kind::Option("doctor"), "--races", "--interleaved-sets"),
     (Kind::Parameter, "reads", "memory_access"),

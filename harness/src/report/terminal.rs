@@ -31,7 +31,8 @@ pub fn run_table(record: &Record) -> String {
         }
     }
     if text.lines().any(|line| line.ends_with(REFUSED)) {
-        let _ = writeln!(text, "{REFUSED}: the device's timestamps were not believed");
+        // In front: what does not fit is cut off behind.
+        text = format!("{REFUSED}: the device's timestamps were not believed\n{text}");
     }
     text
 }
@@ -173,6 +174,6 @@ mod tests {
         }
         let text = run_table(&record);
         assert!(shown(&text) == 0 && text.contains(NONE), "{text}");
-        assert!(text.contains("submit to done *") && text.ends_with("not believed\n"), "{text}");
+        assert!(text.contains("submit to done *") && text.lines().next().unwrap().ends_with("not believed"), "{text}");
     }
 }

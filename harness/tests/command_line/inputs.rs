@@ -213,7 +213,7 @@ fn views_of_nothing_say_so() {
             let tunes = verb.contains(&"--choose");
             let tracer = match verb[0] {
                 "table" => &[][..],
-                "need" => &["--tracer", "height-field"],
+                "need" => &["--tracer", "dirt"],
                 "sweep" if tunes => &["--tracer", "screen-dda", "--over", "thickness=0,1"],
                 "explain" => &["--tracer", "quadtree"],
                 _ => &cpu,
