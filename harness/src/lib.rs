@@ -26,4 +26,7 @@ pub mod truth;
 pub mod viewpoint;
 
 #[cfg(test)]
+#[path = "../build/fingerprint.rs"]
+mod fingerprint;
+#[cfg(test)]
 mod house_tests;

@@ -47,6 +47,17 @@ impl Machine {
 /// Commit that the program was built from, or "unknown".
 pub const COMMIT: &str = env!("TRACEBENCH_COMMIT");
 
+/// What stands for every control in [`fingerprint`].
+pub const CONTROLS: &str = "controls";
+
+/// What a tracer's rows are made by, or a control's: a hash of its sources and of those of rays, truth and judge, without comments and
+/// tests (harness/build/fingerprint.rs). None of a tracer that this program does not have.
+pub fn fingerprint(name: &str) -> Option<&'static str> {
+    let module = name.replace('-', "_");
+    let all = env!("TRACEBENCH_FINGERPRINTS").split(' ').filter_map(|each| each.split_once('='));
+    all.into_iter().find_map(|(of, hash)| (of == module).then_some(hash))
+}
+
 /// Whether the tree had changes when the program was built.
 pub fn dirty() -> Option<bool> {
     env!("TRACEBENCH_DIRTY").parse().ok()

@@ -9,6 +9,7 @@ use super::interleaved_set::{Built, InterleavedSet, Outcome, Setting};
 use super::run::Context;
 use super::workload::{Measured, Observations, PreparedWorkload, Refusal, Workload};
 use super::{RunError, records};
+use crate::machine;
 use crate::plan::{Resolution, TracerRequest};
 use crate::results::{InterleavedSetRecord, Row, SceneRecord, Skipped, TraceRecord, ViewpointRecord};
 
@@ -351,7 +352,9 @@ impl<'a> Here<'a> {
                 records::request_record(request)
             }
         };
+        let sources = if request.is_some() { tracer.name.as_str() } else { machine::CONTROLS };
         Ok(Row {
+            fingerprint: machine::fingerprint(sources).map(str::to_owned),
             scene: self.head.scene.clone(),
             viewpoint,
             tracer,

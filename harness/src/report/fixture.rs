@@ -341,6 +341,7 @@ fn config(name: &str, quality: Quality, sets: &[(&str, Query)]) -> Row {
         samples_ms: samples.iter().map(|sample| sample / 2.0).collect(),
     };
     Row {
+        fingerprint: crate::machine::fingerprint(name).map(str::to_owned),
         scene: scene(),
         viewpoint: viewpoint(),
         tracer: TracerRecord {

@@ -79,7 +79,16 @@ pub(super) fn notes(record: &Record) -> Document {
         let warnings = row.scene.warnings.iter().map(warning);
         warnings.chain(row.traces.iter().filter_map(one_sided)).collect::<Vec<_>>()
     };
-    let notes = record.rows.iter().flat_map(of_row).unique();
+    let stale =
+        record.rows.iter().filter(|row| !row.is_of_this_version()).map(|row| row.tracer.label()).unique().join(", ");
+    let stale = (!stale.is_empty()).then(|| {
+        format!(
+            "Measured by an older version of what makes a row ({}): {}.",
+            record.provenance.started,
+            literal(&stale)
+        )
+    });
+    let notes = stale.into_iter().chain(record.rows.iter().flat_map(of_row).unique());
     Document::default().and(notes.map(|note| Document::default().item(note)))
 }
 

@@ -83,6 +83,18 @@ fn the_summary_is_complete() {
     assert!(summary::summary(&smoke, &[]).markdown().contains("figures only show that things work"));
 }
 
+/// Rows that other sources made are named, and no others.
+#[test]
+fn rows_of_older_versions_are_named() {
+    let mut record = fixture::crowded();
+    let told = "Measured by an older version of what makes a row";
+    let notes = |record: &Record| summary::notes(record).markdown();
+    assert!(!notes(&record).contains(told));
+    record.rows[1].fingerprint = Some("0".to_owned());
+    let line = notes(&record).lines().find(|line| line.contains(told)).unwrap().to_owned();
+    assert!(line.ends_with(&format!(": {}.", record.rows[1].tracer.label())), "{line}");
+}
+
 /// Where a tracer has texels of its own the summary says how far told hits are from the mesh, of all pieces together and of each; where
 /// none has, and of records from before it was told, it says nothing of it.
 #[test]

@@ -16,6 +16,9 @@ pub struct Row {
     pub viewpoint: ViewpointRecord,
     /// The tracer.
     pub tracer: TracerRecord,
+    /// What it was made by: a hash of the sources of its tracer, of rays, truth and judge; none of rows of before there were any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<String>,
     /// How it followed an animation, if it did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub update_mode: Option<UpdateModeRecord>,
@@ -40,6 +43,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// Whether the sources that made it are those of this program: only then its times are this program's.
+    pub fn is_of_this_version(&self) -> bool {
+        self.fingerprint.as_deref() == crate::machine::fingerprint(&self.tracer.name)
+    }
+
     /// The row where its interleaved sets stand behind so many others.
     #[must_use]
     pub fn with_races_after(mut self, others: u32) -> Self {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use crate::machine;
 use crate::measure::{self, Context, RunError, Trial};
 use crate::plan::Plan;
 use crate::rays::sampling::Stream;
@@ -36,6 +37,8 @@ pub struct ClockRecord {
     pub provenance: Provenance,
     /// The tracer.
     pub tracer: String,
+    /// What it was made by, as a row's.
+    pub fingerprint: Option<&'static str>,
     /// The scene.
     pub scene: String,
     /// The ray set.
@@ -213,9 +216,11 @@ impl ClockRecord {
     /// Of a plan's first tracer, scene and ray set.
     pub fn new(provenance: Provenance, plan: &Plan, found: ClockFound) -> Self {
         let named = |name: Option<&str>| name.unwrap_or_default().to_owned();
+        let tracer = named(plan.tracers.first().map(|request| request.name()));
         Self {
             provenance,
-            tracer: named(plan.tracers.first().map(|request| request.name())),
+            fingerprint: machine::fingerprint(&tracer),
+            tracer,
             scene: plan.scenes.first().map(ToString::to_string).unwrap_or_default(),
             rays: named(plan.ray_sets.first().map(|set| set.name)),
             preset: plan.preset.name.to_owned(),
