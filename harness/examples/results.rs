@@ -1,0 +1,337 @@
+//! The committed records: which of them are of another version than this program, and measuring these anew.
+//!
+//! `cargo run --release --example results` measures them by the commands of results/manifest.json, first those that README quotes, then
+//! those of docs/, of claims, and others; `-- --budget 2h` ends before what would take longer, and the same command goes on. `-- --check`
+//! lists them and fails where README quotes one. `-- FOLDER...` is about some folders alone.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use tracebench_harness::machine;
+use tracebench_harness::results::RULES_VERSION;
+
+/// A committed record.
+#[derive(Debug, Deserialize, Serialize)]
+struct Entry {
+    /// Its folder below results/.
+    folder: String,
+    /// Words of `tracebench`, without `--out`.
+    command: String,
+    /// How long it took; of one that was not measured by this tool what its interleaved sets took.
+    minutes: f64,
+}
+
+/// What needs a record, most important first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Need {
+    Readme,
+    Docs,
+    Claim,
+    Nothing,
+}
+
+fn main() -> ExitCode {
+    match asked(std::env::args().skip(1)).and_then(|asked| work(&root(), &asked)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(reason) => {
+            eprintln!("error: {reason}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// What the command line asks for.
+#[derive(Debug, Default)]
+struct Asked {
+    check: bool,
+    budget: Option<Duration>,
+    folders: BTreeSet<String>,
+}
+
+fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, String> {
+    let mut asked = Asked::default();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--check" => asked.check = true,
+            "--budget" => {
+                let time = words.next().ok_or("--budget takes a time, such as 2h")?;
+                asked.budget =
+                    Some(humantime::parse_duration(&time).map_err(|error| format!("--budget {time}: {error}"))?);
+            }
+            option if option.starts_with('-') => {
+                return Err(format!("'{option}' is neither --check nor --budget TIME"));
+            }
+            folder => {
+                asked.folders.insert(folder.trim_end_matches('/').trim_start_matches("results/").to_owned());
+            }
+        }
+    }
+    Ok(asked)
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Lists or measures; false where README quotes what is stale, or a measurement failed.
+fn work(root: &Path, asked: &Asked) -> Result<bool, String> {
+    let path = root.join("results/manifest.json");
+    let text = read(&path)?;
+    let mut entries: Vec<Entry> =
+        serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+    if let Some(unknown) = asked.folders.iter().find(|folder| !entries.iter().any(|entry| entry.folder == **folder)) {
+        return Err(format!("results/manifest.json has no folder {unknown}"));
+    }
+    let needs = needs(root, &entries)?;
+    let mut stale = Vec::new();
+    for (place, entry) in entries.iter().enumerate() {
+        let is_asked = asked.folders.is_empty() || asked.folders.contains(&entry.folder);
+        if let (true, Some(why)) = (is_asked, staleness(root, &entries, entry)?) {
+            stale.push((needs[&entry.folder], place, why));
+        }
+    }
+    // Pages with claims come last of their kind: they are made of the others.
+    stale.sort_by_key(|(need, place, _)| (*need, *place));
+    for (need, place, why) in &stale {
+        let Entry { folder, minutes, .. } = &entries[*place];
+        println!("{folder}: {why}; needed by {}; {minutes:.0} min", format!("{need:?}").to_lowercase());
+    }
+    let minutes: f64 = stale.iter().map(|(_, place, _)| entries[*place].minutes).sum();
+    println!("{} of {} records are stale, {:.1} hours", stale.len(), entries.len(), minutes / 60.0);
+    if asked.check {
+        return Ok(stale.iter().all(|(need, ..)| *need != Need::Readme));
+    }
+    let (begun, mut all_done) = (Instant::now(), true);
+    for (_, place, _) in stale {
+        let entry = &entries[place];
+        let expected = Duration::from_secs_f64(60.0 * entry.minutes);
+        if asked.budget.is_some_and(|budget| begun.elapsed() + expected > budget) {
+            println!("{}: left for want of time", entry.folder);
+            continue;
+        }
+        match measure(root, entry) {
+            Ok(minutes) => {
+                entries[place].minutes = (10.0 * minutes).round() / 10.0;
+                let text = serde_json::to_string_pretty(&entries).map_err(|error| error.to_string())?;
+                std::fs::write(&path, text + "\n").map_err(|error| error.to_string())?;
+            }
+            Err(reason) => {
+                all_done = false;
+                eprintln!("error: {}: {reason}", entry.folder);
+            }
+        }
+    }
+    Ok(all_done)
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// The record of a folder: that of a run, or of the clock.
+fn record(folder: &Path) -> Result<Option<Value>, String> {
+    for name in ["run.json", "clock.json"] {
+        let (plain, packed) = (folder.join(name), folder.join(format!("{name}.gz")));
+        let bytes = match (std::fs::read(&plain), std::fs::File::open(&packed)) {
+            (Ok(bytes), _) => bytes,
+            (_, Ok(file)) => {
+                let mut bytes = Vec::new();
+                let mut file = flate2::read::GzDecoder::new(file);
+                std::io::copy(&mut file, &mut bytes).map_err(|error| format!("{}: {error}", packed.display()))?;
+                bytes
+            }
+            _ => continue,
+        };
+        return serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", folder.display()));
+    }
+    Ok(None)
+}
+
+/// Why a record is not of this program, if it is not. What is made of other records is stale where one of them is.
+fn staleness(root: &Path, entries: &[Entry], entry: &Entry) -> Result<Option<String>, String> {
+    if entry.command.contains(" --from ") {
+        let of = mentioned(&entry.command, entries);
+        let stale = of.into_iter().filter(|other| staleness(root, entries, other).is_ok_and(|why| why.is_some()));
+        let stale: Vec<&str> = stale.map(|other| other.folder.as_str()).collect();
+        return Ok((!stale.is_empty()).then(|| format!("made of {}", stale.join(", "))));
+    }
+    let Some(record) = record(&root.join("results").join(&entry.folder))? else {
+        return Ok(Some("no record".to_owned()));
+    };
+    let rules = record["rules_version"].as_u64().unwrap_or(0);
+    if rules != u64::from(RULES_VERSION) {
+        return Ok(Some(format!("rules version {rules}")));
+    }
+    let rows = record["rows"].as_array().map_or_else(|| vec![&record], |rows| rows.iter().collect());
+    let other = rows.into_iter().filter_map(|row| {
+        let tracer = row["tracer"]["name"].as_str().or(row["tracer"].as_str())?;
+        (row["fingerprint"].as_str() != machine::fingerprint(tracer)).then_some(tracer)
+    });
+    let other: BTreeSet<&str> = other.collect();
+    Ok((!other.is_empty()).then(|| format!("another version of {}", other.into_iter().collect::<Vec<_>>().join(", "))))
+}
+
+/// The entries that a text names by files or folders below results/.
+fn mentioned<'a>(text: &str, entries: &'a [Entry]) -> Vec<&'a Entry> {
+    let ends = |next: char| !(next.is_ascii_alphanumeric() || "-_/.".contains(next));
+    let paths = text.split("results/").skip(1).map(|rest| rest.split(ends).next().unwrap_or_default());
+    let of = |path: &str| {
+        let holds = |entry: &&Entry| {
+            path.strip_prefix(&entry.folder).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        entries.iter().filter(holds).max_by_key(|entry| entry.folder.len())
+    };
+    paths.filter_map(of).collect()
+}
+
+/// What needs each record: pages by links and by quoted figures, claims by what they are made of.
+fn needs(root: &Path, entries: &[Entry]) -> Result<BTreeMap<String, Need>, String> {
+    let figures: BTreeMap<String, String> =
+        serde_json::from_str(&read(&root.join("results/figures.json"))?).map_err(|error| error.to_string())?;
+    let mut needs: BTreeMap<String, Need> = entries.iter().map(|entry| (entry.folder.clone(), Need::Nothing)).collect();
+    let mut note = |text: &str, need: Need| {
+        for entry in mentioned(text, entries) {
+            let known = needs.get_mut(&entry.folder).expect("every entry has one");
+            *known = need.min(*known);
+        }
+    };
+    let docs = std::fs::read_dir(root.join("docs")).map_err(|error| error.to_string())?;
+    let docs = docs.filter_map(|entry| Some((entry.ok()?.path(), Need::Docs)));
+    let docs = docs.filter(|(path, _)| path.extension().is_some_and(|ending| ending == "md"));
+    for (path, need) in docs.chain([(root.join("README.md"), Need::Readme)]) {
+        let text = read(&path)?;
+        note(&text, need);
+        let quoted = text.split("<!--").skip(1).filter_map(|rest| figures.get(rest.split("-->").next()?));
+        quoted.for_each(|figure| note(figure, need));
+    }
+    for entry in entries.iter().filter(|entry| entry.command.contains(" --from ")) {
+        note(&entry.command, Need::Claim);
+    }
+    Ok(needs)
+}
+
+/// Measures a record below target/results and puts it in the place of the committed one, with the pages that stood there. Gives minutes.
+fn measure(root: &Path, entry: &Entry) -> Result<f64, String> {
+    let (folder, scratch) = (root.join("results").join(&entry.folder), root.join("target/results").join(&entry.folder));
+    let git = Command::new("git").args(["status", "--porcelain", "--"]).arg(&folder).current_dir(root).output();
+    if git.is_ok_and(|output| !output.stdout.is_empty()) {
+        return Err(format!("{} has changes that are not committed: commit them or take them back", folder.display()));
+    }
+    let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    if load.split(' ').next().and_then(|load| load.parse::<f64>().ok()).is_some_and(|load| load > 0.7) {
+        eprintln!("another job takes a core: times will be of a busy machine");
+    }
+    println!("{}: tracebench {}", entry.folder, entry.command);
+    let begun = Instant::now();
+    let run = |more: &[&str]| {
+        let mut command = Command::new(root.join("target/release/tracebench"));
+        command.args(entry.command.split(' ')).arg("--out").arg(&scratch).args(more).current_dir(root);
+        command.status().map_err(|error| format!("target/release/tracebench: {error}: build it first"))
+    };
+    let goes_on = !entry.command.contains(" --from ") && !entry.command.starts_with("doctor");
+    let mut done = run(if goes_on { &["--resume"] } else { &[] })?;
+    if !done.success() && goes_on && scratch.join("interleaved_sets").exists() {
+        // What was begun on another machine, or by another program, begins anew.
+        std::fs::remove_dir_all(&scratch).map_err(|error| error.to_string())?;
+        done = run(&[])?;
+    }
+    if !done.success() {
+        return Err(done.to_string());
+    }
+    install(&scratch, &folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    Ok(begun.elapsed().as_secs_f64() / 60.0)
+}
+
+/// Takes over the record, and of what derives from it the files that were there before.
+fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    for name in ["run.json", "clock.json"] {
+        let Ok(bytes) = std::fs::read(scratch.join(name)) else { continue };
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        packed.write_all(&bytes)?;
+        let _ = std::fs::remove_file(folder.join(name));
+        std::fs::write(folder.join(format!("{name}.gz")), packed.finish()?)?;
+    }
+    for before in std::fs::read_dir(folder)? {
+        let before = before?;
+        let made = scratch.join(before.file_name());
+        if made.is_file() {
+            std::fs::copy(made, before.path())?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries() -> Vec<Entry> {
+        serde_json::from_str(&read(&root().join("results/manifest.json")).unwrap()).unwrap()
+    }
+
+    /// Proves that every committed record is in the manifest, and that what README quotes is needed by it. The negative control is an entry
+    /// that nothing needs.
+    #[test]
+    fn every_record_is_in_the_manifest() {
+        let mut entries = entries();
+        let (mut folders, mut records) = (vec![root().join("results")], 0);
+        while let Some(folder) = folders.pop() {
+            for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+                if path.is_dir() {
+                    folders.push(path);
+                } else if ["run.json", "run.json.gz", "clock.json", "clock.json.gz"]
+                    .iter()
+                    .any(|name| path.ends_with(name))
+                {
+                    records += 1;
+                    assert!(!mentioned(path.to_str().unwrap(), &entries).is_empty(), "{}", path.display());
+                }
+            }
+        }
+        assert!(records > entries.len() / 2, "{records}");
+        let unneeded = Entry { folder: "no-such".to_owned(), command: "run".to_owned(), minutes: 1.0 };
+        entries.push(unneeded);
+        let needs = needs(&root(), &entries).unwrap();
+        assert_eq!((needs["software-pareto"], needs["no-such"]), (Need::Readme, Need::Nothing));
+        assert_eq!(needs["software-wkp15/table2"], Need::Claim);
+    }
+
+    /// Proves that records without a fingerprint, of other rules, of another fingerprint and made of such are stale, and that those of this
+    /// program are not.
+    #[test]
+    fn what_another_version_measured_is_stale() {
+        let root = tempfile::tempdir().unwrap();
+        let entry = |folder: &str, command: &str| Entry {
+            folder: folder.to_owned(),
+            command: command.to_owned(),
+            minutes: 1.0,
+        };
+        let entries = vec![entry("a", "run"), entry("b", "table x-claims --from results/a")];
+        let why = |place: usize| staleness(root.path(), &entries, &entries[place]).unwrap();
+        let write = |rules: u32, fingerprint: Option<&str>| {
+            let row = serde_json::json!({ "tracer": { "name": "dirt" }, "fingerprint": fingerprint });
+            let record = serde_json::json!({ "rules_version": rules, "rows": [row] });
+            std::fs::create_dir_all(root.path().join("results/a")).unwrap();
+            std::fs::write(root.path().join("results/a/run.json"), record.to_string()).unwrap();
+        };
+        assert_eq!(why(0).as_deref(), Some("no record"));
+        write(RULES_VERSION, machine::fingerprint("dirt"));
+        assert_eq!((why(0), why(1)), (None, None));
+        write(RULES_VERSION - 1, machine::fingerprint("dirt"));
+        assert!(why(0).unwrap().starts_with("rules version"));
+        for other in [None, Some("0")] {
+            write(RULES_VERSION, other);
+            assert_eq!(
+                (why(0).unwrap(), why(1).unwrap()),
+                ("another version of dirt".to_owned(), "made of a".to_owned())
+            );
+        }
+    }
+}
