@@ -260,7 +260,7 @@ fn read(text: &[u8]) -> Result<Result<Record, Outcome>, String> {
     }
 }
 
-fn memory_access(text: &[u8]) -> Execution<Outcome> {
+fn reads(text: &[u8]) -> Execution<Outcome> {
     fuzz::execute(&ALLOCATOR, MAX_TIME, FREE + MAX_OF_READING * text.len(), || {
         Ok(read(text)?.map_or_else(|outcome| outcome, |_| Outcome::Read))
     })
@@ -312,7 +312,7 @@ fn alone() -> std::sync::MutexGuard<'static, ()> {
 
 fn read_all(numbers: Range<u64>) -> Tally<Outcome> {
     let (_alone, seeds) = (alone(), seeds());
-    fuzz::run(numbers, |number| damaged(&seeds, number), memory_access)
+    fuzz::run(numbers, |number| damaged(&seeds, number), reads)
 }
 
 fn report_all(numbers: Range<u64>) -> Tally<Outcome> {
@@ -362,17 +362,17 @@ fn findings_stay_mended() {
 /// and a good part is read.
 #[test]
 fn first_reads() {
-    let tally = read_all(0..2_000);
+    let tally = read_all(0..1_000);
     assert_eq!(tally.findings, [] as [u64; 0]);
-    assert!(tally.count(&Outcome::Refused) > 200 && tally.count(&Outcome::Read) > 400, "{tally:?}");
+    assert!(tally.count(&Outcome::Refused) > 100 && tally.count(&Outcome::Read) > 200, "{tally:?}");
 }
 
 /// The same of the verbs that read records, by the first that are read.
 #[test]
 fn first_reports() {
-    let tally = report_all(0..200);
+    let tally = report_all(0..100);
     assert_eq!(tally.findings, [] as [u64; 0]);
-    assert!(tally.count(&Outcome::Read) > 100 && tally.count(&Outcome::Merged) > 5, "{tally:?}");
+    assert!(tally.count(&Outcome::Read) > 50 && tally.count(&Outcome::Merged) > 2, "{tally:?}");
 }
 
 /// Proves that the driver is not blind: a panic and memory beyond the multiple are findings.
