@@ -102,7 +102,7 @@ fn work(root: &Path, asked: &Asked) -> Result<bool, String> {
         let Entry { folder, minutes, .. } = &entries[*place];
         println!("{folder}: {why}; needed by {}; {minutes:.0} min", format!("{need:?}").to_lowercase());
     }
-    let minutes: f64 = stale.iter().map(|(_, place, _)| entries[*place].minutes).sum();
+    let minutes = stale.iter().fold(0.0, |sum, (_, place, _)| sum + entries[*place].minutes);
     println!("{} of {} records are stale, {:.1} hours", stale.len(), entries.len(), minutes / 60.0);
     if asked.check {
         return Ok(stale.iter().all(|(need, ..)| *need != Need::Readme));
