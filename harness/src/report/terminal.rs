@@ -31,8 +31,9 @@ pub fn run_table(record: &Record) -> String {
         }
     }
     if text.lines().any(|line| line.ends_with(REFUSED)) {
-        // In front: what does not fit is cut off behind.
-        text = format!("{REFUSED}: the device's timestamps were not believed\n{text}");
+        // Below the first line: what does not fit is cut off behind.
+        let first = text.find('\n').map_or(0, |end| end + 1);
+        text.insert_str(first, &format!("{REFUSED}: the device's timestamps were not believed\n"));
     }
     text
 }
@@ -174,6 +175,6 @@ mod tests {
         }
         let text = run_table(&record);
         assert!(shown(&text) == 0 && text.contains(NONE), "{text}");
-        assert!(text.contains("submit to done *") && text.lines().next().unwrap().ends_with("not believed"), "{text}");
+        assert!(text.contains("submit to done *") && text.lines().nth(1).unwrap().ends_with("not believed"), "{text}");
     }
 }
