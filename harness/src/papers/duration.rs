@@ -26,8 +26,8 @@ pub struct Duration {
 
 impl Duration {
     /// By the rows of a run of the same scene, tracer and parameters, at the scale and the resolution nearest to the wanted ones; of rows
-    /// that differ in launch settings alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow
-    /// with the pixels of a face, traces with the rays; several rays a pixel count as such.
+    /// that differ in launch settings alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken
+    /// to grow with the pixels of a face, traces with the rays; several rays a pixel count as such.
     pub fn of(plans: &[Plan], record: &Record) -> Self {
         let mut sum = Self {
             rounds: plans.first().map_or(0, |plan| plan.preset.sampling.min_rounds as usize + 1),

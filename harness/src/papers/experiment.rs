@@ -29,8 +29,8 @@ pub struct Experiment {
     pub trace_to: TraceTo,
     /// What is run one after the other.
     pub steps: &'static [Step],
-    /// Whether rows stand at every choice of launch settings, how a search reads and is launched, that their tracer has: where traces of methods
-    /// are compared.
+    /// Whether rows stand at every choice of launch settings, how a search reads and is launched, that their tracer has: where traces of
+    /// methods are compared.
     pub launch: bool,
     /// What the page shows of it before its rows.
     pub(crate) sections: &'static [Section],

@@ -80,8 +80,8 @@ impl SceneRows<'_> {
         ratio(self.record, &Timed::build_phase(one, phase), &Timed::build_phase(other, phase))
     }
 
-    /// How many times as long a trace takes in one row as in another; of two methods at the rows' launch settings, at every launch setting that both
-    /// were measured at, and at each one's best.
+    /// How many times as long a trace takes in one row as in another; of two methods at the rows' launch settings, at every launch setting
+    /// that both were measured at, and at each one's best.
     pub(in crate::papers) fn trace_ratio(&self, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
         let found = self.layout_ratio(one, other, rays)?;
         if one.tracer.name != other.tracer.name {

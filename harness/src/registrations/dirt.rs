@@ -1,5 +1,5 @@
-//! The registration of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in
-//! every tile.
+//! The registration of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a
+//! tree in every tile.
 
 use super::expectation::{fails, few};
 use super::table::{Values, improved, published, switches};

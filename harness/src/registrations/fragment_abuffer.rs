@@ -1,5 +1,5 @@
-//! The registration of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are
-//! planes, in every pixel that a triangle touches.
+//! The registration of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that
+//! are planes, in every pixel that a triangle touches.
 
 use super::expectation::{BETWEEN, SAMPLES_SOURCE, TILED, fails, few, of_huge_triangles, of_plates_along_rows};
 use super::table::{Values, improved, published, switches};

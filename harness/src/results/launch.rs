@@ -111,8 +111,8 @@ pub struct AtLaunchSettings<R> {
 }
 
 /// Two methods at equal launch settings and at each one's best. `one` and `other` are rows of each method that differ in their launch
-/// settings alone; a row without launch settings stands beside every one of the other. `time_ms` is how long a row took, of a build or of a trace
-/// (rows without a time are left out), `ratio` is what is made of two rows.
+/// settings alone; a row without launch settings stands beside every one of the other. `time_ms` is how long a row took, of a build or of a
+/// trace (rows without a time are left out), `ratio` is what is made of two rows.
 pub fn at_launch_settings<'r, R>(
     one: &[&'r Row],
     other: &[&'r Row],

@@ -223,8 +223,8 @@ fn what_has_no_room_is_told() {
     assert!(html.contains("aria-label=\"Fronts of room, diffuse"));
 }
 
-/// Proves that what records of several kinds come to is in their sections, each with its path; a kind that is not there has none; and that a
-/// record whose controls fail answers nothing and is named.
+/// Proves that what records of several kinds come to is in their sections, each with its path; a kind that is not there has none; and that
+/// a record whose controls fail answers nothing and is named.
 #[test]
 fn kinds_have_their_sections() {
     let table = Record { table: Some("bvh".to_owned()), ..fixture::typical() };

@@ -16,8 +16,8 @@ fn preset() -> RunPreset {
     RunPreset::named("quick").unwrap()
 }
 
-/// Proves that every registration's steps are values that its tracer takes, that they shrink its own, and that all of a tracer are there at a
-/// time; and what is left out is what is no smaller.
+/// Proves that every registration's steps are values that its tracer takes, that they shrink its own, and that all of a tracer are there at
+/// a time; and what is left out is what is no smaller.
 #[test]
 fn steps_are_of_rooms() {
     for registration in TRACERS {

@@ -36,9 +36,9 @@ pub struct Designed {
     pub point: FrontPoint,
 }
 
-/// What may be changed of a tracer: the resolution where it matters, what its registration says is swept, then every other parameter that has
-/// values worth sweeping, in the order of its description. Means are equal for all, and what its room puts aside is left out, as is what
-/// changes nothing beside the request's other values.
+/// What may be changed of a tracer: the resolution where it matters, what its registration says is swept, then every other parameter that
+/// has values worth sweeping, in the order of its description. Launch settings are equal for all, and what its registration excludes is
+/// left out, as is what changes nothing beside the request's other values.
 pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
     let description = (request.registration.describe)();
     let taken = |name: &str| {
@@ -246,8 +246,8 @@ mod tests {
         assert_eq!(order(&[]), vec![BTreeMap::new()]);
     }
 
-    /// Proves that values go outwards from the own one, that means, what registrations exclude and what cannot matter are no axes, and that only
-    /// tracers whose structures hang on the resolution have one.
+    /// Proves that values go outwards from the own one, that means, what registrations exclude and what cannot matter are no axes, and that
+    /// only tracers whose structures hang on the resolution have one.
     #[test]
     fn axes_are_those_of_descriptions() {
         let dirt = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);
