@@ -11,7 +11,8 @@
 //!   views overlap it may be the other one, which with conservative coverage fetches the same.
 //! - The stored position is the paper's; no pass of the suite reads it.
 //! - Hits that no triangle's coverage finds are left lost: with standard coverage those on pixels whose centres their
-//! triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles that reach beyond it.
+//!   triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles
+//!   that reach beyond it.
 
 use std::cell::RefCell;
 
