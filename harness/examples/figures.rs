@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
+use tracebench_harness::machine;
 use tracebench_harness::statistics::{median, median_interval};
 
 fn main() -> ExitCode {
@@ -90,8 +91,9 @@ fn page<'a>(text: &str, figures: &BTreeMap<&'a str, String>, quoted: &mut BTreeS
         let (key, after) = piece.split_once("-->").ok_or(format!("line {line}: a marker has no '-->'"))?;
         let (known, record) =
             figures.get_key_value(key).ok_or(format!("line {line}: results/figures.json has no '{key}'"))?;
-        let begin = beginning(&found.text, record)
-            .ok_or(format!("line {line}: no figure of the form of '{record}' stands before <!--{key}-->"))?;
+        let begin =
+            if record.starts_with('|') { Some(table_before(&found.text)) } else { beginning(&found.text, record) }
+                .ok_or(format!("line {line}: no figure of the form of '{record}' stands before <!--{key}-->"))?;
         let says = &found.text[begin..];
         if says != record {
             found.differ.push(format!("line {line}: {key} is '{record}' by its record, not '{says}'"));
@@ -101,6 +103,48 @@ fn page<'a>(text: &str, figures: &BTreeMap<&'a str, String>, quoted: &mut BTreeS
         quoted.insert(known);
     }
     Ok(found)
+}
+
+/// Where the table at the end of a text begins.
+fn table_before(text: &str) -> usize {
+    let lines = text.split_inclusive('\n').rev().take_while(|line| line.starts_with('|'));
+    text.len() - lines.map(str::len).sum::<usize>()
+}
+
+/// A table of a record's page: `PAGE#HEADING|COLUMN|...` with the columns whose headings begin so, and the rows of tracers at their own
+/// parameters. Names those that an older version measured.
+fn table(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
+    let (place, wanted) = stated.split_once('|').ok_or("there is no |COLUMN")?;
+    let (page, heading) = place.split_once('#').ok_or(format!("'{place}' is not PAGE#HEADING"))?;
+    let text = std::fs::read_to_string(records.root.join(page)).map_err(|error| format!("{page}: {error}"))?;
+    let mut lines = text.lines().skip_while(|line| line.trim_start_matches('#') != format!(" {heading}"));
+    let lines = lines.by_ref().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    let cells = |line: &'_ str| line.trim_matches('|').split(" | ").map(|cell| cell.trim().to_owned()).collect();
+    let rows: Vec<Vec<String>> = lines.map(cells).collect();
+    let headings = rows.first().ok_or(format!("{page} has no table below '{heading}'"))?;
+    let column = |wanted: &str| headings.iter().position(|heading| heading.starts_with(wanted));
+    let columns: Option<Vec<usize>> = wanted.split('|').map(column).collect();
+    let columns =
+        columns.ok_or(format!("{page} has not all columns of '{wanted}' below '{heading}', but {headings:?}"))?;
+    let run = |name: &str| Path::new(page).with_file_name(name).display().to_string();
+    let run = [run("run.json.gz"), run("run.json")].into_iter().find(|name| records.root.join(name).exists());
+    let record = records.get(&run.ok_or(format!("{page} has no record beside it"))?)?;
+    let older: BTreeSet<String> = record["rows"].as_array().into_iter().flatten().filter_map(older).collect();
+    let mut text = String::new();
+    for row in rows.iter().filter(|row| !row[0].contains('=')) {
+        let is_older = older.contains(row[0].split(':').next().unwrap_or_default());
+        let marked = if is_older { " (measured by an older version)" } else { "" };
+        let cell = |column: &usize| row.get(*column).map_or("", String::as_str);
+        let cells: Vec<&str> = columns.iter().map(cell).collect();
+        text += &format!("| {} |\n", cells.join(" | ").replacen(&row[0], &format!("{}{marked}", row[0]), 1));
+    }
+    Ok(text)
+}
+
+/// The tracer of a row that another version has measured.
+fn older(row: &Value) -> Option<String> {
+    let name = row["tracer"]["name"].as_str()?;
+    (row["fingerprint"].as_str() != machine::fingerprint(name)).then(|| name.to_owned())
 }
 
 /// Where the figure at the end of a text begins: it has the words of the one that the record has, and numbers where that has numbers.
@@ -177,8 +221,11 @@ const REDUCTIONS: [(&str, Reduction); 9] = [
     }),
 ];
 
-/// The text of a figure: `[REDUCTION] PATH [over PATH] as FORMAT`.
+/// The text of a figure: `[REDUCTION] PATH [over PATH] as FORMAT`, or `table PAGE#HEADING|COLUMN|...`.
 fn figure(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
+    if let Some(stated) = stated.strip_prefix("table ") {
+        return table(stated, records);
+    }
     let (what, format) = stated.rsplit_once(" as ").ok_or("there is no ' as FORMAT'")?;
     let reduction = REDUCTIONS.iter().find_map(|(name, of)| Some((what.strip_prefix(name)?, of)));
     let (what, reduction) = reduction.map_or((what, None), |(what, of)| (what, Some(of)));
@@ -384,6 +431,34 @@ mod tests {
         assert_eq!(check(folder.path(), true).unwrap(), found);
         assert_eq!(text(), readme.replace("36 %", "37 %"));
         assert_eq!(check(folder.path(), false).unwrap(), Vec::<String>::new());
+    }
+
+    /// Proves that a page has the columns of its record's table that are asked for and the rows of tracers at their own parameters, that
+    /// such as an older version measured are marked, and that a changed cell is noticed and written.
+    #[test]
+    fn a_table_is_that_of_its_record() {
+        let table = "| tracer | right | trace over fastest ↓ |\n| --- | --- | --- |\n| bvh-cpu | 99 % | 1 (room) to 2 (hall) |\n\
+                     | bvh-cpu a=b | 1 % | – |\n| dirt:improved | 98 % | – |\n";
+        let page = format!("## Over all\n| no |\n### diffuse\n\nwords\n\n{table}\n| other |\n");
+        let figures = json!({ "a": "table page.md#diffuse|tracer|trace over fastest" });
+        let folder = project(&figures, "words\n\n| tracer |\n<!--a-->\n");
+        std::fs::write(folder.path().join("page.md"), page).unwrap();
+        let row = |name: &str, version: Option<&str>| json!({ "tracer": { "name": name }, "fingerprint": version });
+        let rows = json!({ "rows": [row("bvh-cpu", machine::fingerprint("bvh-cpu")), row("dirt", Some("0"))] });
+        std::fs::write(folder.path().join("run.json"), rows.to_string()).unwrap();
+        assert_eq!(check(folder.path(), true).unwrap().len(), 1);
+        let expected = "words\n\n| tracer | trace over fastest ↓ |\n| --- | --- |\n| bvh-cpu | 1 (room) to 2 (hall) |\n\
+                        | dirt:improved (measured by an older version) | – |\n<!--a-->\n";
+        assert_eq!(std::fs::read_to_string(folder.path().join("README.md")).unwrap(), expected);
+        assert_eq!(check(folder.path(), false).unwrap(), Vec::<String>::new());
+        for (stated, reason) in [
+            ("table page.md#diffuse", "|COLUMN"),
+            ("table page.md#specular|tracer", "no table below 'specular'"),
+            ("table page.md#diffuse|speed", "not all columns"),
+        ] {
+            let error = figure(stated, &mut Records { root: folder.path(), read: BTreeMap::new() }).unwrap_err();
+            assert!(error.contains(reason), "{error}");
+        }
     }
 
     /// Proves that markers that are not closed, stand for nothing or behind no figure are refused by their line, and a key that no page

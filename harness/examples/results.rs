@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example results` measures them by the commands of results/manifest.json, first those that README quotes, then
 //! those of docs/, of claims, and others; `-- --budget 2h` ends before what would take longer, and the same command goes on. `-- --check`
-//! lists them and fails where README quotes one. `-- FOLDER...` is about some folders alone.
+//! lists them and fails where README quotes one. `-- --answers` traces once what is stale, measures nothing, and keeps in the manifest whose
+//! answers are still the same. `-- FOLDER...` is about some folders alone. What another machine measured is dated, and left to it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
@@ -24,6 +25,12 @@ struct Entry {
     command: String,
     /// How long it took; of one that was not measured by this tool what its interleaved sets took.
     minutes: f64,
+    /// By which versions of its tracers a re-run gave the same hits.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    answers: String,
+    /// The machine that alone can measure it: one with a GPU.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    machine: Option<String>,
 }
 
 /// What needs a record, most important first.
@@ -50,6 +57,7 @@ fn main() -> ExitCode {
 #[derive(Debug, Default)]
 struct Asked {
     check: bool,
+    answers: bool,
     budget: Option<Duration>,
     folders: BTreeSet<String>,
 }
@@ -59,13 +67,14 @@ fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, String> {
     while let Some(word) = words.next() {
         match word.as_str() {
             "--check" => asked.check = true,
+            "--answers" => asked.answers = true,
             "--budget" => {
                 let time = words.next().ok_or("--budget takes a time, such as 2h")?;
                 asked.budget =
                     Some(humantime::parse_duration(&time).map_err(|error| format!("--budget {time}: {error}"))?);
             }
             option if option.starts_with('-') => {
-                return Err(format!("'{option}' is neither --check nor --budget TIME"));
+                return Err(format!("'{option}' is none of --check, --answers, --budget TIME"));
             }
             folder => {
                 asked.folders.insert(folder.trim_end_matches('/').trim_start_matches("results/").to_owned());
@@ -115,9 +124,10 @@ fn work(root: &Path, asked: &Asked) -> Result<bool, String> {
             println!("{}: left for want of time", entry.folder);
             continue;
         }
-        match measure(root, entry) {
-            Ok(minutes) => {
-                entries[place].minutes = (10.0 * minutes).round() / 10.0;
+        let done = if asked.answers { answer_again(root, entry) } else { measure(root, entry) };
+        match done {
+            Ok((minutes, answers)) => {
+                (entries[place].minutes, entries[place].answers) = ((10.0 * minutes).round() / 10.0, answers);
                 let text = serde_json::to_string_pretty(&entries).map_err(|error| error.to_string())?;
                 std::fs::write(&path, text + "\n").map_err(|error| error.to_string())?;
             }
@@ -164,17 +174,51 @@ fn staleness(root: &Path, entries: &[Entry], entry: &Entry) -> Result<Option<Str
     let Some(record) = record(&root.join("results").join(&entry.folder))? else {
         return Ok(Some("no record".to_owned()));
     };
+    if let Some(machine) = &entry.machine {
+        println!("{}: measured on {machine}, {}", entry.folder, record["started"].as_str().unwrap_or("undated"));
+        return Ok(None);
+    }
     let rules = record["rules_version"].as_u64().unwrap_or(0);
     if rules != u64::from(RULES_VERSION) {
         return Ok(Some(format!("rules version {rules}")));
     }
     let rows = record["rows"].as_array().map_or_else(|| vec![&record], |rows| rows.iter().collect());
-    let other = rows.into_iter().filter_map(|row| {
-        let tracer = row["tracer"]["name"].as_str().or(row["tracer"].as_str())?;
+    let other = rows.iter().filter_map(|row| {
+        let tracer = tracer_of(row)?;
         (row["fingerprint"].as_str() != machine::fingerprint(tracer)).then_some(tracer)
     });
     let other: BTreeSet<&str> = other.collect();
-    Ok((!other.is_empty()).then(|| format!("another version of {}", other.into_iter().collect::<Vec<_>>().join(", "))))
+    let is_answered = entry.answers == versions(&record);
+    let is_timed = record["rows"].as_array().is_none_or(|rows| {
+        rows.iter().any(|row| row["traces"].as_array().is_some_and(|traces| traces.iter().any(is_timed)))
+    });
+    if other.is_empty() || is_answered && !is_timed {
+        return Ok(None);
+    }
+    let other = other.into_iter().collect::<Vec<_>>().join(", ");
+    let answers = if is_answered { ", whose answers are the same" } else { "" };
+    Ok(Some(format!("another version of {other}{answers}")))
+}
+
+fn tracer_of(row: &Value) -> Option<&str> {
+    row["tracer"]["name"].as_str().or(row["tracer"].as_str())
+}
+
+fn is_timed(trace: &Value) -> bool {
+    trace["samples_ms"].as_array().is_some_and(|samples| !samples.is_empty())
+}
+
+/// What this program's versions of a record's tracers are called.
+fn versions(record: &Value) -> String {
+    let rows = record["rows"].as_array().into_iter().flatten().filter_map(tracer_of).collect::<BTreeSet<_>>();
+    rows.into_iter().filter_map(machine::fingerprint).map(|version| &version[..8]).collect::<Vec<_>>().join(" ")
+}
+
+/// The hits of each trace of a record, by place.
+fn hits(record: &Value) -> Vec<[&str; 2]> {
+    let rows = record["rows"].as_array().into_iter().flatten();
+    let traces = rows.flat_map(|row| row["traces"].as_array().into_iter().flatten());
+    traces.map(|trace| ["rays_sha256", "hits_sha256"].map(|key| trace[key].as_str().unwrap_or_default())).collect()
 }
 
 /// The entries that a text names by files or folders below results/.
@@ -216,36 +260,83 @@ fn needs(root: &Path, entries: &[Entry]) -> Result<BTreeMap<String, Need>, Strin
     Ok(needs)
 }
 
-/// Measures a record below target/results and puts it in the place of the committed one, with the pages that stood there. Gives minutes.
-fn measure(root: &Path, entry: &Entry) -> Result<f64, String> {
+/// Measures a record below target/results and puts it in the place of the committed one, with the pages that stood there. Gives minutes, and
+/// the versions that answered.
+fn measure(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
     let (folder, scratch) = (root.join("results").join(&entry.folder), root.join("target/results").join(&entry.folder));
     let git = Command::new("git").args(["status", "--porcelain", "--"]).arg(&folder).current_dir(root).output();
     if git.is_ok_and(|output| !output.stdout.is_empty()) {
         return Err(format!("{} has changes that are not committed: commit them or take them back", folder.display()));
     }
-    let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
-    if load.split(' ').next().and_then(|load| load.parse::<f64>().ok()).is_some_and(|load| load > 0.7) {
-        eprintln!("another job takes a core: times will be of a busy machine");
-    }
-    println!("{}: tracebench {}", entry.folder, entry.command);
-    let begun = Instant::now();
-    let run = |more: &[&str]| {
-        let mut command = Command::new(root.join("target/release/tracebench"));
-        command.args(entry.command.split(' ')).arg("--out").arg(&scratch).args(more).current_dir(root);
-        command.status().map_err(|error| format!("target/release/tracebench: {error}: build it first"))
-    };
-    let goes_on = !entry.command.contains(" --from ") && !entry.command.starts_with("doctor");
-    let mut done = run(if goes_on { &["--resume"] } else { &[] })?;
-    if !done.success() && goes_on && scratch.join("interleaved_sets").exists() {
+    let (begun, others) = (Instant::now(), ticks_of_others());
+    let words: Vec<&str> = entry.command.split(' ').collect();
+    let goes_on = !words.contains(&"--from") && words[0] != "doctor";
+    let more: &[&str] = if goes_on { &["--resume"] } else { &[] };
+    if let Err(reason) = run(root, &words, &scratch, more) {
+        if !(goes_on && scratch.join("interleaved_sets").exists()) {
+            return Err(reason);
+        }
         // What was begun on another machine, or by another program, begins anew.
         std::fs::remove_dir_all(&scratch).map_err(|error| error.to_string())?;
-        done = run(&[])?;
+        run(root, &words, &scratch, &[])?;
     }
-    if !done.success() {
-        return Err(done.to_string());
+    let taken = (ticks_of_others() - others) / TICKS_PER_S / begun.elapsed().as_secs_f64();
+    if taken > 0.1 {
+        eprintln!("{}: another job took {taken:.1} cores: times are of a busy machine", entry.folder);
     }
     install(&scratch, &folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    Ok(begun.elapsed().as_secs_f64() / 60.0)
+    let answered = record(&scratch)?.map(|record| versions(&record)).unwrap_or_default();
+    Ok((begun.elapsed().as_secs_f64() / 60.0, answered))
+}
+
+/// Traces a record's rays once more, without times; gives the versions whose answers are those of the record.
+fn answer_again(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
+    let scratch = root.join("target/results-answers").join(&entry.folder);
+    if entry.command.contains(" --from ") {
+        return Ok((entry.minutes, String::new()));
+    }
+    if scratch.exists() {
+        std::fs::remove_dir_all(&scratch).map_err(|error| error.to_string())?;
+    }
+    let mut words: Vec<&str> = entry.command.split(' ').collect();
+    if let Some(place) = words.iter().position(|word| *word == "--samples") {
+        words.drain(place..place + 2);
+    }
+    let is_timed = words[0] != "stability" && words[0] != "explain" && !words.contains(&"--choose");
+    run(root, &words, &scratch, if is_timed { &["--samples", "1"] } else { &[] })?;
+    let before = record(&root.join("results").join(&entry.folder))?;
+    match (before, record(&scratch)?) {
+        (Some(before), Some(now)) if !hits(&now).is_empty() && hits(&now) == hits(&before) => {
+            Ok((entry.minutes, versions(&now)))
+        }
+        _ => Err("other answers than the record's: measure it anew".to_owned()),
+    }
+}
+
+fn run(root: &Path, words: &[&str], out: &Path, more: &[&str]) -> Result<(), String> {
+    println!("tracebench {}", words.join(" "));
+    let mut command = Command::new(root.join("target/release/tracebench"));
+    command.args(words).arg("--out").arg(out).args(more).current_dir(root);
+    let ended = command.status().map_err(|error| format!("target/release/tracebench: {error}: build it first"))?;
+    if ended.success() { Ok(()) } else { Err(ended.to_string()) }
+}
+
+/// Of Linux's clock of processes.
+const TICKS_PER_S: f64 = 100.0;
+
+/// The time that cores have spent on other processes than this one and those that it has waited for; 0 where the system does not tell.
+fn ticks_of_others() -> f64 {
+    let numbers = |path: &str| -> Vec<f64> {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let line = text.lines().next().unwrap_or_default();
+        // A process's name may have anything in it, in brackets.
+        let after = line.rsplit_once(')').map_or(line, |(_, after)| after);
+        after.split_whitespace().skip(1).filter_map(|number| number.parse().ok()).collect()
+    };
+    // user, nice, system, idle, iowait, irq, softirq, steal, and guests, which user has in it; of a process from its parent's number on.
+    let (all, own) = (numbers("/proc/stat"), numbers("/proc/self/stat"));
+    let sum = |all: &[f64], places: &[usize]| places.iter().filter_map(|place| all.get(*place)).sum::<f64>();
+    sum(&all, &[0, 1, 2, 5, 6, 7]) - sum(&own, &[10, 11, 12, 13])
 }
 
 /// Takes over the record, and of what derives from it the files that were there before.
@@ -276,6 +367,10 @@ mod tests {
         serde_json::from_str(&read(&root().join("results/manifest.json")).unwrap()).unwrap()
     }
 
+    fn entry(folder: &str, command: &str) -> Entry {
+        serde_json::from_value(serde_json::json!({ "folder": folder, "command": command, "minutes": 1.0 })).unwrap()
+    }
+
     /// Proves that every committed record is in the manifest, and that what README quotes is needed by it. The negative control is an entry
     /// that nothing needs.
     #[test]
@@ -296,8 +391,7 @@ mod tests {
             }
         }
         assert!(records > entries.len() / 2, "{records}");
-        let unneeded = Entry { folder: "no-such".to_owned(), command: "run".to_owned(), minutes: 1.0 };
-        entries.push(unneeded);
+        entries.push(entry("no-such", "run"));
         let needs = needs(&root(), &entries).unwrap();
         assert_eq!((needs["software-pareto"], needs["no-such"]), (Need::Readme, Need::Nothing));
         assert_eq!(needs["software-wkp15/table2"], Need::Claim);
@@ -308,11 +402,6 @@ mod tests {
     #[test]
     fn what_another_version_measured_is_stale() {
         let root = tempfile::tempdir().unwrap();
-        let entry = |folder: &str, command: &str| Entry {
-            folder: folder.to_owned(),
-            command: command.to_owned(),
-            minutes: 1.0,
-        };
         let entries = vec![entry("a", "run"), entry("b", "table x-claims --from results/a")];
         let why = |place: usize| staleness(root.path(), &entries, &entries[place]).unwrap();
         let write = |rules: u32, fingerprint: Option<&str>| {
@@ -333,5 +422,31 @@ mod tests {
                 ("another version of dirt".to_owned(), "made of a".to_owned())
             );
         }
+    }
+
+    /// Proves that answers which a re-run gave again are fresh, times not; that a record of another machine is left to it; and that
+    /// answers of yet another version are stale (the negative control).
+    #[test]
+    fn answers_stay_fresh_where_a_re_run_gives_the_same() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(root.path().join("results/a")).unwrap();
+        let write = |samples: &[f64]| {
+            let trace = serde_json::json!({ "rays_sha256": "r", "hits_sha256": "h", "samples_ms": samples });
+            let row = serde_json::json!({ "tracer": { "name": "dirt" }, "fingerprint": "0", "traces": [trace] });
+            let record = serde_json::json!({ "rules_version": RULES_VERSION, "rows": [row] });
+            std::fs::write(root.path().join("results/a/run.json"), record.to_string()).unwrap();
+            record
+        };
+        let why = |entry: &Entry| staleness(root.path(), &[], entry).unwrap();
+        let mut entry = entry("a", "run");
+        entry.answers = versions(&write(&[]));
+        assert_eq!(why(&entry), None);
+        assert_eq!(hits(&write(&[1.0])), [["r", "h"]]);
+        assert_eq!(why(&entry).unwrap(), "another version of dirt, whose answers are the same");
+        entry.machine = Some("another".to_owned());
+        assert_eq!(why(&entry), None);
+        (entry.machine, entry.answers) = (None, "1".to_owned());
+        write(&[]);
+        assert_eq!(why(&entry).unwrap(), "another version of dirt");
     }
 }

@@ -95,6 +95,11 @@ impl RaySet<'_> {
         Document::default().rays(level, self.name, heading + more)
     }
 
+    /// The set's own name, which several may have.
+    pub(super) fn name(&self) -> &str {
+        self.name
+    }
+
     /// Whether a trace is of these rays.
     pub(super) fn holds(&self, trace: &TraceRecord) -> bool {
         self.name == trace.rays && self.sha256 == trace.rays_sha256 && self.query == trace.query

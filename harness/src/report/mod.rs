@@ -3,6 +3,7 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
+mod beside;
 pub(crate) mod cells;
 pub(crate) mod chart;
 pub(crate) mod columns;

@@ -2,6 +2,7 @@
 
 use itertools::Itertools as _;
 
+use super::beside::{self, Place};
 use super::document::Document;
 use super::format::significant;
 use super::group::{Group, RaySet, groups};
@@ -94,7 +95,8 @@ fn page(table: &Table, record: &Record, groups: &[Group<'_>]) -> Document {
     let section = |group: &Group<'_>| {
         let of_set = |set: &RaySet<'_>| {
             let traces = traces(table, record, group, set);
-            if table.rows == Rows::LaunchSettings { traces.and(launch::between(record, group, set)) } else { traces }
+            let beside = || launch::between(record, group, set).and(beside::table(Place { record, group, set }));
+            if table.rows == Rows::LaunchSettings { traces.and(beside()) } else { traces }
         };
         let sets = group.ray_sets.iter().map(of_set);
         Document::default().scene(2, group.scene, "").table(structures(table, group)).and(sets)

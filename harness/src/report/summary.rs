@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use itertools::Itertools as _;
 use tracebench_api::{AdapterInfo, Query, Rasterizer};
 
+use super::beside::{self, Place};
 use super::cells::{self, TableRow, coverage, label, touched};
 use super::chart::{self, Drawing};
 use super::distances;
 use super::document::Document;
 use super::format::{self, mib, significant, statistic, thousands};
-use super::group::{Group, RaySet, Role};
+use super::group::{Group, Role};
 use super::markdown::literal;
 use super::metrics::{
     self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED,
@@ -33,9 +34,10 @@ pub(super) fn summary(record: &Record, groups: &[Group<'_>]) -> Document {
     if groups.is_empty() {
         page = page.paragraph("Nothing ran.");
     }
+    page = page.and(beside::over_scenes(record, groups));
     for group in groups {
-        page =
-            page.and(scene(record, group)).and(builds(group)).and(group.ray_sets.iter().map(|set| ray_set(group, set)));
+        let sets = group.ray_sets.iter().map(|set| ray_set(Place { record, group, set }));
+        page = page.and(scene(record, group)).and(builds(group)).and(sets);
     }
     page.and(skipped(&record.skipped))
 }
@@ -235,7 +237,8 @@ fn builds(group: &Group<'_>) -> Document {
     Document::default().heading(3, "Build").table(sheet.table(&group.configs))
 }
 
-fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> Document {
+fn ray_set(place: Place<'_>) -> Document {
+    let Place { group, set, .. } = place;
     let rows = group.traces(set);
     let many_ambiguous_rays = rows.iter().any(|(_, _, trace)| many_ambiguous_rays(&trace.judgement));
     let many_ambiguous_rays =
@@ -245,7 +248,8 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> Document {
         Query::Closest => page.and(closest_tables(&rows)),
         Query::Any => page.table(any_table(&rows)),
     };
-    page.and(distances::tables(&rows))
+    page.and(beside::table(place))
+        .and(distances::tables(&rows))
         .and(surfaces::tables(&rows))
         .below("Causes of wrong answers:", causes(&rows))
         .below("Counters, from a variant that is not timed:", counters(&rows))

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use tracebench_api::Query;
 
+use super::beside::{self, Place};
 use super::cells::TableRow;
 use super::format::trace_to;
 use super::group::{Group, RaySet};
@@ -58,6 +59,7 @@ pub(super) fn rows<'a, R: 'a>(
         .csv_column("run_preset", |_| record.preset.clone())
         .csv_column("seed", |_| record.seed)
         .csv_column("machine", |((.., (_, row, _)), _)| record.provenance.machine_of(row.machine).label())
+        .with(beside::columns(move |((group, set, row), _): &Told<'a, R>| Some((Place { record, group, set }, *row))))
         .with(METRICS.iter().chain(&beside).copied().map(metric).collect())
         .columns_of(own, |(_, own)| own.as_ref())
         .columns_of(Sheet::new().with(of_maps(&rows)), |((.., row), _)| Some(row));

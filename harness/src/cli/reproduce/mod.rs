@@ -9,13 +9,14 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use tracebench_api::{AdapterChoice, Gpu};
 
 use super::output::print;
 use super::work::{fresh_folder, refuse_another};
 use super::{CliError, page as html, stop};
 use crate::files::{self, OutputFolder};
 use crate::launch;
-use crate::plan::RUN_PRESETS;
+use crate::plan::{RUN_PRESETS, RunPreset};
 use crate::progress::{self, Progress};
 use crate::report;
 use steps::Step;
@@ -129,7 +130,7 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         refuse_another(out, None)?;
     }
     let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), out)?;
-    let all = with_preset(steps::steps(whole), preset.as_deref());
+    let all = with_preset(steps::steps(whole, on_hardware(preset.as_deref())), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
     // There from the start: what is broken off in the first step can be gone on with.
     let mut found = Reproduction { preset, steps: rest_of(&all, &before) };
@@ -236,6 +237,15 @@ fn preset_of(asked: Option<&str>, earlier: Option<&Reproduction>, out: &Path) ->
     )))
 }
 
+/// Whether times are those of hardware: by the preset that is meant for it, else by the adapter that would be taken.
+fn on_hardware(preset: Option<&str>) -> bool {
+    let by_adapter = || {
+        let gpu = AdapterChoice::from_environment(None, None).and_then(|choice| Gpu::open(&choice));
+        gpu.is_ok_and(|gpu| !gpu.is_software())
+    };
+    preset.map_or_else(by_adapter, |name| RunPreset::for_adapter(true).name == name)
+}
+
 /// Steps as they were left.
 fn rest_of(steps: &[Step], before: &[Taken]) -> Vec<Taken> {
     let of = |step: &Step| {
@@ -323,7 +333,7 @@ mod tests {
     /// Proves that steps which were not reached are kept as they were left, and new ones as left out.
     #[test]
     fn steps_are_kept_as_they_were_left() {
-        let all = with_preset(steps::steps(false), Some("smoke"));
+        let all = with_preset(steps::steps(false, false), Some("smoke"));
         let failed = Taken { state: State::Failed("no room".to_owned()), took_s: 3.0, ..left_out(&all[1]) };
         let rest = rest_of(&all[..3], std::slice::from_ref(&failed));
         assert_eq!(

@@ -1,6 +1,9 @@
 //! What `reproduce` measures, in order of weight.
 
+use tracebench_api::Domain;
+
 use crate::papers::{Experiment, PAPERS};
+use crate::registry::{Family, TRACERS};
 
 /// A measurement by one of the program's own verbs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,18 +22,31 @@ impl Step {
 
 /// The scene of what comes first.
 const SCENE: &str = "room";
+/// Rounds of what comes first on hardware: as few as verdicts rest on.
+const ENOUGH_ROUNDS: &str = "12";
+/// The scenes of what comes first on hardware.
+const HARDWARE_SCENES: &str = "room,foliage";
 /// Ray sets of fronts and needs.
 const RAYS: &str = "diffuse,ao";
 /// Rounds of times where more waits behind; too few for verdicts.
 const FEW_ROUNDS: &str = "3";
 
-/// Every step. What comes first answers most; where all is wanted whole, nothing is measured in part before.
-pub(super) fn steps(whole: bool) -> Vec<Step> {
+/// Every step. What comes first answers most; where all is wanted whole, nothing is measured in part before, and within a budget on
+/// hardware (`on_hardware`) what only hardware can tell comes before all.
+pub(super) fn steps(whole: bool, on_hardware: bool) -> Vec<Step> {
     let tables = || experiments().map(|experiment| experiment.name);
     let mut steps = Vec::new();
-    if !whole {
+    if !whole && on_hardware {
+        let scenes = ["--scene", HARDWARE_SCENES, "--samples", ENOUGH_ROUNDS];
+        let tracers = format!("all,all:improved,{}", builders().join(","));
+        let run = ["run", "--rays", "primary,diffuse", "--tracer", &tracers];
+        steps.push(Step::new("builds-and-frames", &[&run[..], &scenes].concat()));
+        steps.push(Step::new("front", &[&["pareto", "--rays", RAYS, "--points", "2"], &scenes[..]].concat()));
+    } else if !whole {
         let few = ["--points", "2", "--samples", FEW_ROUNDS];
         steps.push(Step::new("front", &[&["pareto", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
+    }
+    if !whole {
         steps.extend(tables().map(|name| Step::new(format!("{name}-few-rows"), &["table", name, "--few-rows"])));
         let few = ["--samples", FEW_ROUNDS];
         steps.push(Step::new("need", &[&["need", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
@@ -44,6 +60,18 @@ pub(super) fn steps(whole: bool) -> Vec<Step> {
     steps.extend(tables().map(|name| Step::new(name, &["table", name])));
     steps.push(Step::new("fronts-of-all-scenes", &["pareto", "--scene", "all", "--rays", RAYS]));
     steps
+}
+
+/// Other ways to build: image-space structures in compute in the place of the rasterizer, hierarchies by their quickest builder.
+fn builders() -> Vec<String> {
+    let of = |registration: &crate::registry::Registration| {
+        let description = (registration.describe)();
+        let build = description.parameters.into_iter().find(|parameter| parameter.name == "build")?;
+        let Domain::Choice(values) = build.domain else { return None };
+        let value = if registration.family == Family::Bvh { values.first() } else { values.last() };
+        Some(format!("{}@build={}", description.name, value?))
+    };
+    TRACERS.iter().filter_map(of).collect()
 }
 
 /// The tables and figures that stand beside published ones: of every paper the first, then of every paper the second, and so on.
@@ -77,23 +105,38 @@ mod tests {
             steps.iter().filter(is_table).map(|step| step.arguments[1].clone()).collect()
         };
         for (whole, part) in [(false, true), (false, false), (true, false)] {
-            let found = tables(&steps(whole), part);
+            let found = tables(&steps(whole, false), part);
+            assert_eq!(tables(&steps(whole, true), part), found);
             assert_eq!(found.len(), known.len());
             assert_eq!(found.iter().map(String::as_str).collect::<BTreeSet<_>>(), known);
             let first: BTreeSet<_> = found[..PAPERS.len()].iter().map(|name| name.split('-').next()).collect();
             assert_eq!(first.len(), PAPERS.len());
         }
-        assert!(tables(&steps(true), true).is_empty());
+        assert!(tables(&steps(true, true), true).is_empty());
     }
 
     /// Proves that folders are named once, and that the first step is the front.
     #[test]
     fn folders_are_told_apart() {
-        for whole in [false, true] {
-            let steps = steps(whole);
+        for (whole, on_hardware) in [(false, false), (true, false), (false, true)] {
+            let steps = steps(whole, on_hardware);
             let names: BTreeSet<&String> = steps.iter().map(|step| &step.name).collect();
             assert_eq!(names.len(), steps.len());
-            assert_eq!(steps[0].arguments[0], "pareto");
+            assert_eq!(steps[0].arguments[0], if on_hardware { "run" } else { "pareto" });
+        }
+    }
+
+    /// Proves that what hardware alone can tell has every rasterized structure built in compute as well, and quick hierarchies.
+    #[test]
+    fn builds_are_by_raster_and_in_compute() {
+        let builders = builders();
+        for wanted in ["dirt@build=compute", "quadtree@build=compute", "bvh-cpu@build=fastest", "bvh-gpu@build=fastest"]
+        {
+            assert!(builders.iter().any(|found| found == wanted), "{wanted}: {builders:?}");
+        }
+        for name in &builders {
+            let tracers = crate::cli::names::tracers(name, &[]);
+            assert!(tracers.is_ok(), "{name}");
         }
     }
 }

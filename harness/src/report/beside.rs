@@ -1,0 +1,318 @@
+//! Rows beside hierarchies, by the comparators of RULES.md.
+
+use std::ptr;
+
+use itertools::Itertools as _;
+use tracebench_api::ClockKind;
+
+use super::cells::TableRow;
+use super::document::Document;
+use super::format::{NONE, mib, percent, significant};
+use super::group::{Group, RaySet, Role};
+use super::markdown::literal;
+use super::metrics::{self, STRUCTURE};
+use super::sheet::{Cell, Column, Columns, Sheet};
+use crate::registry::{Family, TRACERS};
+use crate::results::{Answer, Caveat, MEMORY_ACCESS, Paired, RAYS_PER_LANE, Record, Row, Timed, TraceRecord, host_ms};
+
+/// What is compared, with its name for people and for programs.
+const SPANS: [(Span, &str, &str); 3] = [
+    (Span::Trace, "trace", "trace"),
+    (Span::SteadyBuild, "steady build", "steady_build"),
+    (Span::Frame, "frame", "frame"),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Span {
+    Trace,
+    SteadyBuild,
+    Frame,
+}
+
+impl Span {
+    fn of<'a>(self, (row, trace): (&'a Row, &'a TraceRecord)) -> Timed<'a> {
+        match self {
+            Self::Trace => Timed::trace(row, trace),
+            Self::SteadyBuild => Timed::steady_build(row),
+            Self::Frame => Timed::steady_build(row).and(Timed::trace(row, trace)),
+        }
+    }
+
+    /// By the host's clock, milliseconds.
+    fn host_ms(self, (row, trace): (&Row, &TraceRecord)) -> Option<f64> {
+        let build_ms = if self == Self::Trace { 0.0 } else { host_ms(row.build.steady())? };
+        Some(build_ms + if self == Self::SteadyBuild { 0.0 } else { host_ms(&trace.times)? })
+    }
+}
+
+/// What a row stands beside, with its name for people and for programs.
+const COMPARATORS: [(Comparator, &str, &str); 3] = [
+    (Comparator::Fastest, "fastest hierarchy", "fastest_hierarchy"),
+    (Comparator::OnDevice, "fastest hierarchy built on the device", "device_hierarchy"),
+    (Comparator::AtBest, "fastest hierarchy, each at its best launch settings", "fastest_hierarchy_at_best"),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Comparator {
+    /// All, at equal launch settings.
+    Fastest,
+    /// The same of those that are built and traced on the device, as the row is.
+    OnDevice,
+    /// All, each at the launch settings by which it is fastest; the row as well.
+    AtBest,
+}
+
+/// Where rows stand side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub(super) record: &'a Record,
+    pub(super) group: &'a Group<'a>,
+    pub(super) set: &'a RaySet<'a>,
+}
+
+/// How many times as long a row takes as a hierarchy.
+struct Beside<'a> {
+    hierarchy: &'a Row,
+    paired: Paired,
+}
+
+impl<'a> Place<'a> {
+    fn rows(self) -> impl Iterator<Item = (&'a Row, &'a TraceRecord)> {
+        self.group.configs.iter().filter_map(move |row| Some((*row, self.set.trace_of(row)?)))
+    }
+
+    /// None where no hierarchy is as often right, and at best launch settings where rows have no others.
+    fn beside(self, row: &'a Row, span: Span, comparator: Comparator) -> Option<Beside<'a>> {
+        let least = |rows: &mut dyn Iterator<Item = (&'a Row, &'a TraceRecord)>| {
+            let timed = rows.filter_map(|traced| Some((span.host_ms(traced)?, traced)));
+            timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, traced)| traced)
+        };
+        let right = |trace| metrics::right_of(trace).last()?.share;
+        let own = right(self.set.trace_of(row)?)?;
+        let at_best = comparator == Comparator::AtBest;
+        let as_equal = |other: &Row| row.tracer.launch().zip(other.tracer.launch()).is_none_or(|(own, its)| own == its);
+        let stands = |(other, trace): &(&'a Row, &'a TraceRecord)| {
+            let of_family = TRACERS.iter().any(|each| each.family == Family::Bvh && each.name() == other.tracer.name);
+            let is_other = if at_best { !differ_by_launch(row, other) } else { as_equal(other) };
+            of_family
+                && !ptr::eq(*other, row)
+                && is_other
+                && (comparator != Comparator::OnDevice || on_device(row) && on_device(other))
+                && other.update_mode == row.update_mode
+                && right(trace).is_some_and(|right| right >= own)
+        };
+        let beside = least(&mut self.rows().filter(stands))?;
+        let of_row = |(other, _): &(&'a Row, &'a TraceRecord)| differ_by_launch(row, other);
+        if at_best && self.rows().filter(of_row).count() < 2 {
+            return None;
+        }
+        let one = least(&mut self.rows().filter(|each| if at_best { of_row(each) } else { ptr::eq(each.0, row) }))?;
+        Some(Beside { hierarchy: beside.0, paired: self.record.paired_on_host(&span.of(one), &span.of(beside)) })
+    }
+}
+
+/// Whether two rows are of one tracer and differ in launch settings, if at all.
+fn differ_by_launch(one: &Row, other: &Row) -> bool {
+    let plain = |row: &Row| {
+        let mut parameters = row.tracer.parameters.clone();
+        parameters.retain(|name, _| name != MEMORY_ACCESS && name != RAYS_PER_LANE);
+        (row.tracer.name.clone(), parameters, row.viewpoint.frame, row.viewpoint.face)
+    };
+    plain(one) == plain(other)
+}
+
+fn on_device(row: &Row) -> bool {
+    let times = row.traces.iter().map(|trace| &trace.times).chain([&row.build.times]);
+    times.into_iter().all(|times| times.clock != ClockKind::Host)
+}
+
+impl Beside<'_> {
+    /// The ratio with its interval, and whether it is undecided.
+    fn said(&self) -> String {
+        let Some(ratio) = self.paired.ratio else { return NONE.to_owned() };
+        let [value, low, high] = [ratio.value, ratio.interval[0], ratio.interval[1]].map(|each| significant(each, 3));
+        let doubt = match self.paired.answer(0.0) {
+            Answer::Undecided(Caveat::Interval) => " undecided".to_owned(),
+            Answer::Undecided(why) => format!(" undecided ({why})"),
+            Answer::Longer | Answer::Shorter | Answer::Same => String::new(),
+        };
+        format!("{value} [{low}, {high}]{doubt} × {}", self.hierarchy.label())
+    }
+}
+
+/// Columns for programs: every ratio with its interval, and the hierarchy that it is to.
+pub(super) fn columns<'a, R: 'a>(of: impl Fn(&R) -> Option<(Place<'a>, TableRow<'a>)> + Copy + 'a) -> Columns<'a, R> {
+    let column = |((span, _, what), (comparator, _, whose)): ((Span, _, &str), (Comparator, _, &str))| {
+        let found = move |row: &R| {
+            let (place, (role, row, _)) = of(row)?;
+            if role == Role::Tracer { place.beside(row, span, comparator) } else { None }
+        };
+        let ratio = move |row: &R| found(row).and_then(|found| found.paired.ratio).map_or(Cell::Absent, Cell::from);
+        let name = move |row: &R| found(row).map_or(Cell::Absent, |found| found.hierarchy.label().into());
+        let title = format!("{what}_over_{whose}");
+        [Column::csv(&*title, ratio), Column::csv(format!("{title}_name"), name)]
+    };
+    SPANS.into_iter().cartesian_product(COMPARATORS).flat_map(column).collect()
+}
+
+/// What the tables below are of.
+const WORDS: &str = "Beside hierarchies of this run that are at least as often right (within the footprint; of any hit by balanced accuracy), \
+                     at equal launch settings: how many times as long it takes, by the host's clock, in paired rounds. Intervals cover 99.9 %. A \
+                     frame is a steady build and a trace.";
+
+/// The rows of a ray set beside hierarchies.
+pub(super) fn table(place: Place<'_>) -> Document {
+    let mut sheet = Sheet::<&Row>::new().column("tracer", |row| row.label());
+    for ((span, what, _), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
+        sheet = sheet.column(format!("{what} over {whose} ↓"), move |row| {
+            place.beside(row, span, comparator).map_or(Cell::Absent, |beside| beside.said().into())
+        });
+    }
+    let table = sheet.table(&place.rows().map(|(row, _)| row).collect::<Vec<_>>());
+    if table.headings().count() > 1 { Document::default().below(WORDS, table) } else { Document::default() }
+}
+
+/// Every tracer over all scenes of a run, by ray set: least and most of what it has there.
+pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Document {
+    let mut page = Document::default();
+    for rays in groups.iter().flat_map(|group| &group.ray_sets).map(RaySet::name).unique() {
+        let sets = groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| Place { record, group, set }));
+        let places: Vec<Place<'_>> = sets.filter(|place| place.set.name() == rays).collect();
+        let places = &places;
+        let scenes = places.iter().map(|place| &place.group.scene.name).unique().count();
+        if scenes < 2 {
+            continue;
+        }
+        let labels = places.iter().flat_map(|place| place.rows()).map(|(row, _)| row.tracer.label()).unique();
+        let mut sheet = Sheet::<String>::new()
+            .column("tracer", String::clone)
+            .column("right within the footprint ↑", |label| {
+                range(places, label, |_, (_, trace)| {
+                    let right = *metrics::right_of(trace).last()?;
+                    Some((right.share?, format!("{} %", percent(right.share?, right.trials))))
+                })
+            })
+            .column(STRUCTURE.heading(), |label| {
+                let bytes = |(row, _): (&Row, _)| row.memory.structure_bytes;
+                range(places, label, |_, traced| Some((bytes(traced) as f64, mib(bytes(traced)))))
+            });
+        for ((span, what, _), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
+            sheet = sheet.column(format!("{what} over {whose} ↓"), move |label| {
+                let beside = |place: Place<'_>, (row, _)| {
+                    let found = place.beside(row, span, comparator)?;
+                    Some((found.paired.ratio?.value, found.said()))
+                };
+                range(places, label, beside).map_or(Cell::Absent, Cell::from)
+            });
+        }
+        page = page.heading(3, format!("{rays}, over {scenes} scenes")).table(sheet.table(&labels.collect::<Vec<_>>()));
+    }
+    if page.blocks.is_empty() {
+        page
+    } else {
+        Document::default().heading(2, "Over all scenes").paragraph(WORDS).and(page)
+    }
+}
+
+/// What a tracer has in the scenes where it has least and most of it.
+fn range<'a>(
+    places: &[Place<'a>],
+    label: &str,
+    of: impl Fn(Place<'a>, (&'a Row, &'a TraceRecord)) -> Option<(f64, String)>,
+) -> Option<String> {
+    let of_place = |place: &Place<'a>| {
+        let (value, said) = of(*place, place.rows().find(|(row, _)| row.tracer.label() == label)?)?;
+        Some((value, said, literal(&place.group.scene.name)))
+    };
+    let (least, most) = places.iter().filter_map(of_place).minmax_by(|a, b| a.0.total_cmp(&b.0)).into_option()?;
+    Some(if least.1 == most.1 { least.1 } else { format!("{} ({}) to {} ({})", least.1, least.2, most.1, most.2) })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+    use tracebench_api::Query;
+
+    use super::*;
+    use crate::report::fixture::{self, Quality};
+    use crate::report::group::groups;
+
+    const SETS: [(&str, Query); 1] = [("diffuse", Query::Closest)];
+
+    /// Hierarchies and a tracer, by label, share missed, speed and clock, at launch settings of their own where they have any.
+    fn record(tracers: &[(&str, f64, f64, ClockKind, Option<u64>)]) -> Record {
+        let quality = |missed, speed, clock| Quality { missed, blur: 1e-9, speed, clock };
+        let configs: Vec<_> =
+            tracers.iter().map(|(name, missed, speed, clock, _)| (*name, quality(*missed, *speed, *clock))).collect();
+        let mut record = fixture::with_whole_builds(fixture::run(&configs, &SETS));
+        for (row, (.., rays)) in record.rows.iter_mut().zip(tracers) {
+            if let Some(rays) = rays {
+                row.tracer.parameters.insert(MEMORY_ACCESS.to_owned(), json!("buffer"));
+                row.tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(rays));
+            }
+        }
+        record
+    }
+
+    /// What the first tracer stands beside, by its name, and how many times as long it takes.
+    fn beside(record: &Record, comparator: Comparator) -> Option<(String, f64)> {
+        let groups = groups(record);
+        let place = Place { record, group: &groups[0], set: &groups[0].ray_sets[0] };
+        let found = place.beside(&record.rows[0], Span::Trace, comparator)?;
+        Some((found.hierarchy.tracer.name.clone(), found.paired.ratio?.value))
+    }
+
+    /// Proves that a row stands beside the fastest hierarchy that is at least as often right, that none which is wrong more often, is no
+    /// hierarchy or has other launch settings takes its place however fast it is (the negative controls), and that of those built on the
+    /// device the fastest stands beside it.
+    #[test]
+    fn a_row_stands_beside_the_fastest_that_is_as_often_right() {
+        let (host, device) = (ClockKind::Host, ClockKind::SubmitToDone);
+        let own = ("dirt", 0.01, 1.0, device, Some(32));
+        let all = [
+            own,
+            ("bvh-cpu", 0.0, 3.0, host, None),
+            ("bvh-gpu", 0.01, 4.0, host, Some(32)),
+            ("lbvh-gpu", 0.0, 2.0, device, Some(32)),
+            ("ray-query", 0.02, 9.0, device, None),
+            ("screen-dda", 0.0, 9.0, device, Some(32)),
+            ("bvh-gpu", 0.0, 9.0, device, Some(1)),
+        ];
+        let (name, ratio) = beside(&record(&all), Comparator::Fastest).unwrap();
+        assert_eq!(name, "bvh-gpu");
+        assert!((3.5..4.5).contains(&ratio), "{ratio}");
+        assert_eq!(beside(&record(&all), Comparator::OnDevice).unwrap().0, "lbvh-gpu");
+        assert!(beside(&record(&[own, all[4]]), Comparator::Fastest).is_none());
+        // At best launch settings both are free, where the row has others.
+        assert!(beside(&record(&all), Comparator::AtBest).is_none());
+        let several = [&[own, ("dirt", 0.01, 2.0, device, Some(1))], &all[1..]].concat();
+        let (_, ratio) = beside(&record(&several), Comparator::AtBest).unwrap();
+        assert!((4.0..5.0).contains(&ratio), "{ratio}");
+    }
+
+    /// Proves that the summary of several scenes tells where a tracer is best and worst, that rows for programs have the same ratios, and
+    /// that a run of one scene has no such chapter.
+    #[test]
+    fn scenes_are_told_from_best_to_worst() {
+        let host = ClockKind::Host;
+        let one = record(&[("dirt", 0.0, 1.0, host, None), ("bvh-cpu", 0.0, 2.0, host, None)]);
+        let mut both = one.clone();
+        let mut other = record(&[("dirt", 0.0, 1.0, host, None), ("bvh-cpu", 0.0, 8.0, host, None)]);
+        other.rows.iter_mut().chain(&mut other.controls).for_each(|row| "hall".clone_into(&mut row.scene.name));
+        both.rows.append(&mut other.rows);
+        let page = |record: &Record| {
+            let folder = tempfile::TempDir::new().unwrap();
+            fixture::write_run(record, folder.path(), fixture::tables).unwrap();
+            (std::fs::read_to_string(folder.path().join("summary.md")).unwrap(), fixture::configs(folder.path()))
+        };
+        let (text, rows) = page(&both);
+        let line = text.lines().find(|line| line.starts_with("| dirt | 100 %")).unwrap();
+        let [best, worst] = ["(room) to ", "× bvh-cpu (hall)"].map(|part| line.find(part).unwrap());
+        assert!(best < worst, "{line}");
+        let name = "trace_over_fastest_hierarchy";
+        let ratios: Vec<f64> = rows.iter().filter_map(|row| row[name].parse().ok()).collect();
+        assert!(ratios.len() == 2 && ratios[0] < 3.0 && ratios[1] > 6.0, "{ratios:?}");
+        assert_eq!(rows[0][&format!("{name}_name")], "bvh-cpu");
+        assert!(!page(&one).0.contains("Over all scenes"));
+    }
+}
