@@ -1,5 +1,6 @@
 //! `report --html`.
 
+use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,7 @@ pub(super) fn write(
     file: &Path,
     (folder, name): (&OutputFolder, &str),
     paths: &[PathBuf],
-    missing: Vec<String>,
+    mut missing: Vec<String>,
     progress: &Progress,
 ) -> Result<(), CliError> {
     spares(file)?;
@@ -37,6 +38,11 @@ pub(super) fn write(
     }
     if records.is_empty() {
         return Err(CliError::Argument("claims alone are no record: give those of the tables, too".to_owned()));
+    }
+    let by: BTreeSet<u32> = records.iter().map(|(_, record)| record.provenance.rules_version).collect();
+    if by.len() > 1 {
+        let by = by.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+        missing.push(format!("records of one version of the rules: these are of {by}, and are not to be compared"));
     }
     let page = reports::html_page(&records, &missing, MAKERS, &command(file, paths), MAX_BYTES)?;
     folder.write(name, page.html.as_bytes())?;
