@@ -111,9 +111,10 @@ fn table_before(text: &str) -> usize {
     text.len() - lines.map(str::len).sum::<usize>()
 }
 
-/// A table of a record's page: `PAGE#HEADING|COLUMN|...` with the columns whose headings begin so, and the rows of tracers at their own
-/// parameters. Names those that an older version measured.
+/// A table of a record's page: `PAGE#HEADING|COLUMN|... of TRACER,...` with the columns whose headings begin so and the rows of these
+/// tracers. Names those that an older version measured.
 fn table(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
+    let (stated, tracers) = stated.rsplit_once(" of ").ok_or("there is no ' of TRACER'")?;
     let (place, wanted) = stated.split_once('|').ok_or("there is no |COLUMN")?;
     let (page, heading) = place.split_once('#').ok_or(format!("'{place}' is not PAGE#HEADING"))?;
     let text = std::fs::read_to_string(records.root.join(page)).map_err(|error| format!("{page}: {error}"))?;
@@ -130,8 +131,10 @@ fn table(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
     let run = [run("run.json.gz"), run("run.json")].into_iter().find(|name| records.root.join(name).exists());
     let record = records.get(&run.ok_or(format!("{page} has no record beside it"))?)?;
     let older: BTreeSet<String> = record["rows"].as_array().into_iter().flatten().filter_map(older).collect();
+    let of = |name: &str| rows.iter().skip(2).find(|row| row[0] == name).ok_or(format!("{page} has no row of {name}"));
+    let chosen = tracers.split(',').map(of).collect::<Result<Vec<_>, _>>()?;
     let mut text = String::new();
-    for row in rows.iter().filter(|row| !row[0].contains('=')) {
+    for row in rows.iter().take(2).chain(chosen) {
         let is_older = older.contains(row[0].split(':').next().unwrap_or_default());
         let marked = if is_older { " (measured by an older version)" } else { "" };
         let cell = |column: &usize| row.get(*column).map_or("", String::as_str);
@@ -221,7 +224,7 @@ const REDUCTIONS: [(&str, Reduction); 9] = [
     }),
 ];
 
-/// The text of a figure: `[REDUCTION] PATH [over PATH] as FORMAT`, or `table PAGE#HEADING|COLUMN|...`.
+/// The text of a figure: `[REDUCTION] PATH [over PATH] as FORMAT`, or `table PAGE#HEADING|COLUMN|... of TRACER,...`.
 fn figure(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
     if let Some(stated) = stated.strip_prefix("table ") {
         return table(stated, records);
@@ -440,21 +443,23 @@ mod tests {
         let table = "| tracer | right | trace over fastest ↓ |\n| --- | --- | --- |\n| bvh-cpu | 99 % | 1 (room) to 2 (hall) |\n\
                      | bvh-cpu a=b | 1 % | – |\n| dirt:improved | 98 % | – |\n";
         let page = format!("## Over all\n| no |\n### diffuse\n\nwords\n\n{table}\n| other |\n");
-        let figures = json!({ "a": "table page.md#diffuse|tracer|trace over fastest" });
+        let figures = json!({ "a": "table page.md#diffuse|tracer|trace over fastest of dirt:improved,bvh-cpu" });
         let folder = project(&figures, "words\n\n| tracer |\n<!--a-->\n");
         std::fs::write(folder.path().join("page.md"), page).unwrap();
         let row = |name: &str, version: Option<&str>| json!({ "tracer": { "name": name }, "fingerprint": version });
         let rows = json!({ "rows": [row("bvh-cpu", machine::fingerprint("bvh-cpu")), row("dirt", Some("0"))] });
         std::fs::write(folder.path().join("run.json"), rows.to_string()).unwrap();
         assert_eq!(check(folder.path(), true).unwrap().len(), 1);
-        let expected = "words\n\n| tracer | trace over fastest ↓ |\n| --- | --- |\n| bvh-cpu | 1 (room) to 2 (hall) |\n\
-                        | dirt:improved (measured by an older version) | – |\n<!--a-->\n";
+        let expected = "words\n\n| tracer | trace over fastest ↓ |\n| --- | --- |\n\
+                        | dirt:improved (measured by an older version) | – |\n| bvh-cpu | 1 (room) to 2 (hall) |\n<!--a-->\n";
         assert_eq!(std::fs::read_to_string(folder.path().join("README.md")).unwrap(), expected);
         assert_eq!(check(folder.path(), false).unwrap(), Vec::<String>::new());
         for (stated, reason) in [
-            ("table page.md#diffuse", "|COLUMN"),
-            ("table page.md#specular|tracer", "no table below 'specular'"),
-            ("table page.md#diffuse|speed", "not all columns"),
+            ("table page.md#diffuse|tracer", "of TRACER"),
+            ("table page.md#diffuse of dirt", "|COLUMN"),
+            ("table page.md#specular|tracer of dirt", "no table below 'specular'"),
+            ("table page.md#diffuse|speed of dirt", "not all columns"),
+            ("table page.md#diffuse|tracer of dirt", "no row of dirt"),
         ] {
             let error = figure(stated, &mut Records { root: folder.path(), read: BTreeMap::new() }).unwrap_err();
             assert!(error.contains(reason), "{error}");

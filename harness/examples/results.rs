@@ -339,7 +339,8 @@ fn ticks_of_others() -> f64 {
     sum(&all, &[0, 1, 2, 5, 6, 7]) - sum(&own, &[10, 11, 12, 13])
 }
 
-/// Takes over the record, and of what derives from it the files that were there before.
+/// Takes over the record, of what derives from it the pages that were there before, or `scenes.md`, and the charts that these show. What no
+/// longer derives from it goes.
 fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     for name in ["run.json", "clock.json"] {
@@ -349,12 +350,25 @@ fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
         let _ = std::fs::remove_file(folder.join(name));
         std::fs::write(folder.join(format!("{name}.gz")), packed.finish()?)?;
     }
+    let mut names: BTreeSet<String> = BTreeSet::from(["scenes.md".to_owned()]);
     for before in std::fs::read_dir(folder)? {
         let before = before?;
-        let made = scratch.join(before.file_name());
-        if made.is_file() {
-            std::fs::copy(made, before.path())?;
+        let name = before.file_name().to_string_lossy().into_owned();
+        if before.path().is_dir() || name.ends_with(".json.gz") {
+            continue;
         }
+        if !scratch.join(&name).is_file() {
+            println!("{} is no longer made", before.path().display());
+            std::fs::remove_file(before.path())?;
+        }
+        names.insert(name);
+    }
+    for page in names.clone().into_iter().filter(|name| name.ends_with(".md")) {
+        let text = std::fs::read_to_string(scratch.join(page)).unwrap_or_default();
+        names.extend(text.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0.to_owned())));
+    }
+    for name in names.into_iter().filter(|name| !name.contains('/') && scratch.join(name).is_file()) {
+        std::fs::copy(scratch.join(&name), folder.join(name))?;
     }
     Ok(())
 }

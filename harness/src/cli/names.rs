@@ -165,8 +165,10 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
                 })?;
                 set(&mut request, parameter, value)?;
             }
+            // Of all, a preset that differs in nothing from one that is there is that one.
             let same = |other: &&mut TracerRequest| {
-                other.name() == request.name() && other.preset == preset && other.parameters == request.parameters
+                let of_preset = other.preset == preset || !required;
+                other.name() == request.name() && of_preset && other.parameters == request.parameters
             };
             match requests.iter_mut().find(same) {
                 Some(already) => already.required |= required,
@@ -405,6 +407,12 @@ mod tests {
         );
         let all = tracers("all:improved", &[]).unwrap();
         assert!(all.len() == TRACERS.len() && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
+        // Forms that differ in nothing stand once.
+        let both = tracers("all,all:improved", &[]).unwrap();
+        let same = |one: &TracerRequest| {
+            both.iter().filter(|other| other.name() == one.name() && other.parameters == one.parameters).count()
+        };
+        assert!(both.len() > TRACERS.len() && both.len() < 2 * TRACERS.len() && both.iter().all(|one| same(one) == 1));
         let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();
         assert!(set.iter().all(|each| each.required && build(each) == "fastest"));
         assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());

@@ -3,6 +3,7 @@
 use std::ptr;
 
 use itertools::Itertools as _;
+use serde_json::json;
 use tracebench_api::ClockKind;
 
 use super::cells::TableRow;
@@ -12,8 +13,11 @@ use super::group::{Group, RaySet, Role};
 use super::markdown::literal;
 use super::metrics::{self, STRUCTURE};
 use super::sheet::{Cell, Column, Columns, Sheet};
+use super::summary;
 use crate::registry::{Family, TRACERS};
-use crate::results::{Answer, Caveat, MEMORY_ACCESS, Paired, RAYS_PER_LANE, Record, Row, Timed, TraceRecord, host_ms};
+use crate::results::{
+    Answer, Caveat, MEMORY_ACCESS, Paired, RAYS_PER_LANE, Record, Row, Timed, TraceRecord, TracerRecord, host_ms,
+};
 
 /// What is compared, with its name for people and for programs.
 const SPANS: [(Span, &str, &str); 3] = [
@@ -103,7 +107,7 @@ impl<'a> Place<'a> {
         };
         let beside = least(&mut self.rows().filter(stands))?;
         let of_row = |(other, _): &(&'a Row, &'a TraceRecord)| differ_by_launch(row, other);
-        if at_best && self.rows().filter(of_row).count() < 2 {
+        if at_best && self.rows().filter(of_row).map(|(other, _)| other.tracer.launch()).all_equal() {
             return None;
         }
         let one = least(&mut self.rows().filter(|each| if at_best { of_row(each) } else { ptr::eq(each.0, row) }))?;
@@ -136,7 +140,11 @@ impl Beside<'_> {
             Answer::Undecided(why) => format!(" undecided ({why})"),
             Answer::Longer | Answer::Shorter | Answer::Same => String::new(),
         };
-        format!("{value} [{low}, {high}]{doubt} × {}", self.hierarchy.label())
+        format!("{value} [{low}, {high}]{doubt}")
+    }
+
+    fn of(&self) -> String {
+        format!(" × {}", self.hierarchy.label())
     }
 }
 
@@ -165,15 +173,15 @@ pub(super) fn table(place: Place<'_>) -> Document {
     let mut sheet = Sheet::<&Row>::new().column("tracer", |row| row.label());
     for ((span, what, _), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
         sheet = sheet.column(format!("{what} over {whose} ↓"), move |row| {
-            place.beside(row, span, comparator).map_or(Cell::Absent, |beside| beside.said().into())
+            place.beside(row, span, comparator).map_or(Cell::Absent, |beside| (beside.said() + &beside.of()).into())
         });
     }
     let table = sheet.table(&place.rows().map(|(row, _)| row).collect::<Vec<_>>());
     if table.headings().count() > 1 { Document::default().below(WORDS, table) } else { Document::default() }
 }
 
-/// Every tracer over all scenes of a run, by ray set: least and most of what it has there.
-pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Document {
+/// Every tracer over the scenes of a run, if there are several, by ray set: least and most of what it has there.
+pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Option<Document> {
     let mut page = Document::default();
     for rays in groups.iter().flat_map(|group| &group.ray_sets).map(RaySet::name).unique() {
         let sets = groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| Place { record, group, set }));
@@ -183,49 +191,55 @@ pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Document {
         if scenes < 2 {
             continue;
         }
-        let labels = places.iter().flat_map(|place| place.rows()).map(|(row, _)| row.tracer.label()).unique();
+        // A form that differs in nothing from the one before is that one.
+        let all = places.iter().flat_map(|place| place.rows()).map(|(row, _)| &row.tracer);
+        let labels =
+            all.unique_by(|tracer| (&tracer.name, json!(tracer.parameters).to_string())).map(TracerRecord::label);
         let mut sheet = Sheet::<String>::new()
             .column("tracer", String::clone)
             .column("right within the footprint ↑", |label| {
                 range(places, label, |_, (_, trace)| {
                     let right = *metrics::right_of(trace).last()?;
-                    Some((right.share?, format!("{} %", percent(right.share?, right.trials))))
+                    Some((right.share?, format!("{} %", percent(right.share?, right.trials)), String::new()))
                 })
             })
             .column(STRUCTURE.heading(), |label| {
                 let bytes = |(row, _): (&Row, _)| row.memory.structure_bytes;
-                range(places, label, |_, traced| Some((bytes(traced) as f64, mib(bytes(traced)))))
+                range(places, label, |_, traced| Some((bytes(traced) as f64, mib(bytes(traced)), String::new())))
             });
         for ((span, what, _), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
             sheet = sheet.column(format!("{what} over {whose} ↓"), move |label| {
                 let beside = |place: Place<'_>, (row, _)| {
                     let found = place.beside(row, span, comparator)?;
-                    Some((found.paired.ratio?.value, found.said()))
+                    Some((found.paired.ratio?.value, found.said(), found.of()))
                 };
                 range(places, label, beside).map_or(Cell::Absent, Cell::from)
             });
         }
-        page = page.heading(3, format!("{rays}, over {scenes} scenes")).table(sheet.table(&labels.collect::<Vec<_>>()));
+        page = page.heading(2, format!("{rays}, over {scenes} scenes")).table(sheet.table(&labels.collect::<Vec<_>>()));
     }
-    if page.blocks.is_empty() {
-        page
-    } else {
-        Document::default().heading(2, "Over all scenes").paragraph(WORDS).and(page)
-    }
+    let head =
+        || summary::head(record, "Every tracer over all scenes: where it is best, and where worst").paragraph(WORDS);
+    (!page.blocks.is_empty()).then(|| head().and(page))
 }
 
-/// What a tracer has in the scenes where it has least and most of it.
+/// What a tracer has in the scenes where it has least and most of it, and beside what, which is told once where it is the same.
 fn range<'a>(
     places: &[Place<'a>],
     label: &str,
-    of: impl Fn(Place<'a>, (&'a Row, &'a TraceRecord)) -> Option<(f64, String)>,
+    of: impl Fn(Place<'a>, (&'a Row, &'a TraceRecord)) -> Option<(f64, String, String)>,
 ) -> Option<String> {
     let of_place = |place: &Place<'a>| {
-        let (value, said) = of(*place, place.rows().find(|(row, _)| row.tracer.label() == label)?)?;
-        Some((value, said, literal(&place.group.scene.name)))
+        let found = of(*place, place.rows().find(|(row, _)| row.tracer.label() == label)?)?;
+        Some((found, literal(&place.group.scene.name)))
     };
-    let (least, most) = places.iter().filter_map(of_place).minmax_by(|a, b| a.0.total_cmp(&b.0)).into_option()?;
-    Some(if least.1 == most.1 { least.1 } else { format!("{} ({}) to {} ({})", least.1, least.2, most.1, most.2) })
+    let found = places.iter().filter_map(of_place).minmax_by(|(one, _), (other, _)| one.0.total_cmp(&other.0));
+    let (((_, least, beside), least_in), ((_, most, most_beside), most_in)) = found.into_option()?;
+    let between = if beside == most_beside { "" } else { &*beside };
+    Some(match least == most {
+        true => least + &beside,
+        false => format!("{least}{between} ({least_in}) to {most} ({most_in}){most_beside}"),
+    })
 }
 
 #[cfg(test)]
@@ -290,7 +304,7 @@ mod tests {
         assert!((4.0..5.0).contains(&ratio), "{ratio}");
     }
 
-    /// Proves that the summary of several scenes tells where a tracer is best and worst, that rows for programs have the same ratios, and
+    /// Proves that a page over several scenes tells where a tracer is best and worst, that rows for programs have the same ratios, and
     /// that a run of one scene has no such chapter.
     #[test]
     fn scenes_are_told_from_best_to_worst() {
@@ -303,16 +317,17 @@ mod tests {
         let page = |record: &Record| {
             let folder = tempfile::TempDir::new().unwrap();
             fixture::write_run(record, folder.path(), fixture::tables).unwrap();
-            (std::fs::read_to_string(folder.path().join("summary.md")).unwrap(), fixture::configs(folder.path()))
+            (std::fs::read_to_string(folder.path().join("scenes.md")).ok(), fixture::configs(folder.path()))
         };
         let (text, rows) = page(&both);
+        let text = text.unwrap();
         let line = text.lines().find(|line| line.starts_with("| dirt | 100 %")).unwrap();
-        let [best, worst] = ["(room) to ", "× bvh-cpu (hall)"].map(|part| line.find(part).unwrap());
+        let [best, worst] = ["(room) to ", "(hall) × bvh-cpu"].map(|part| line.find(part).unwrap());
         assert!(best < worst, "{line}");
         let name = "trace_over_fastest_hierarchy";
         let ratios: Vec<f64> = rows.iter().filter_map(|row| row[name].parse().ok()).collect();
         assert!(ratios.len() == 2 && ratios[0] < 3.0 && ratios[1] > 6.0, "{ratios:?}");
         assert_eq!(rows[0][&format!("{name}_name")], "bvh-cpu");
-        assert!(!page(&one).0.contains("Over all scenes"));
+        assert_eq!(page(&one).0, None);
     }
 }

@@ -74,6 +74,9 @@ const PACKED: &str = "run.json.gz";
 /// The page of a run in full.
 const SUMMARY: &str = "summary.md";
 
+/// Of a run of several scenes where every tracer is best, and where worst.
+const SCENES: &str = "scenes.md";
+
 /// What is made of a record, each part with its name; charts have theirs in documents.
 #[derive(Debug, Default)]
 pub struct Report {
@@ -290,8 +293,9 @@ fn rows<'a, R: 'a>(
 fn of_run(record: &Record, of_table: Tables) -> Result<Report, ReportError> {
     let labelled = sweep::labelled(record);
     let (groups, shown) = (group::groups(record), group::groups(&labelled));
+    let scenes = beside::over_scenes(&labelled, &shown).map(|page| (SCENES.to_owned(), page));
     let summary = Report {
-        pages: vec![(SUMMARY.to_owned(), summary::summary(&labelled, &shown))],
+        pages: scenes.into_iter().chain([(SUMMARY.to_owned(), summary::summary(&labelled, &shown))]).collect(),
         ..rows(record, &groups, Sheet::new(), |_| None::<()>)
     };
     let sweep = record.sweep.as_ref().map(|section| sweep::report(record, section, &groups)).unwrap_or_default();

@@ -34,7 +34,6 @@ pub(super) fn summary(record: &Record, groups: &[Group<'_>]) -> Document {
     if groups.is_empty() {
         page = page.paragraph("Nothing ran.");
     }
-    page = page.and(beside::over_scenes(record, groups));
     for group in groups {
         let sets = group.ray_sets.iter().map(|set| ray_set(Place { record, group, set }));
         page = page.and(scene(record, group)).and(builds(group)).and(sets);
