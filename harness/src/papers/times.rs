@@ -3,7 +3,7 @@
 
 use super::estimate::Estimate;
 use super::rows::{SceneRows, trace};
-use crate::results::{MEMORY_ACCESS, RAYS_PER_LANE, Record, Row, Timed, TraceRecord, at_launch_settings, host_ms};
+use crate::results::{Record, Row, Timed, TraceRecord, at_launch_settings, differ_in_launch, host_ms};
 
 /// What there is to doubt where rows did the same by every counter and yet took different times: something else than the method is
 /// told.
@@ -50,16 +50,6 @@ pub(super) fn rank_correlation(record: &Record, points: &[(f64, Timed<'_>)]) -> 
 
 /// What there is to doubt where a method was measured at one of its launch settings alone.
 const ONE_MEANS: &str = "not measured at other launch settings";
-
-/// Whether rows are the same tracer's in the same place and differ in launch settings alone, or in nothing.
-fn differ_in_launch(one: &Row, other: &Row) -> bool {
-    let rest = |row: &Row| {
-        let of_launch = |name: &String| [MEMORY_ACCESS, RAYS_PER_LANE].contains(&name.as_str());
-        let rest = row.tracer.parameters.iter().filter(|(name, _)| !of_launch(name));
-        rest.map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
-    };
-    one.tracer.name == other.tracer.name && one.viewpoint == other.viewpoint && rest(one) == rest(other)
-}
 
 /// Whether two traces did the same, by everything that is counted.
 fn same_work(one: &TraceRecord, other: &TraceRecord) -> bool {

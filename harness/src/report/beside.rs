@@ -16,7 +16,7 @@ use super::sheet::{Cell, Column, Columns, Sheet};
 use super::summary;
 use crate::registry::{Family, TRACERS};
 use crate::results::{
-    Answer, Caveat, MEMORY_ACCESS, Paired, RAYS_PER_LANE, Record, Row, Timed, TraceRecord, TracerRecord, host_ms,
+    Answer, Caveat, Paired, Record, Row, Timed, TraceRecord, TracerRecord, differ_in_launch, host_ms,
 };
 
 /// What is compared, with its name for people and for programs.
@@ -97,7 +97,7 @@ impl<'a> Place<'a> {
         let as_equal = |other: &Row| row.tracer.launch().zip(other.tracer.launch()).is_none_or(|(own, its)| own == its);
         let stands = |(other, trace): &(&'a Row, &'a TraceRecord)| {
             let of_family = TRACERS.iter().any(|each| each.family == Family::Bvh && each.name() == other.tracer.name);
-            let is_other = if at_best { !differ_by_launch(row, other) } else { as_equal(other) };
+            let is_other = if at_best { !differ_in_launch(row, other) } else { as_equal(other) };
             of_family
                 && !ptr::eq(*other, row)
                 && is_other
@@ -106,23 +106,13 @@ impl<'a> Place<'a> {
                 && right(trace).is_some_and(|right| right >= own)
         };
         let beside = least(&mut self.rows().filter(stands))?;
-        let of_row = |(other, _): &(&'a Row, &'a TraceRecord)| differ_by_launch(row, other);
+        let of_row = |(other, _): &(&'a Row, &'a TraceRecord)| differ_in_launch(row, other);
         if at_best && self.rows().filter(of_row).map(|(other, _)| other.tracer.launch()).all_equal() {
             return None;
         }
         let one = least(&mut self.rows().filter(|each| if at_best { of_row(each) } else { ptr::eq(each.0, row) }))?;
         Some(Beside { hierarchy: beside.0, paired: self.record.paired_on_host(&span.of(one), &span.of(beside)) })
     }
-}
-
-/// Whether two rows are of one tracer and differ in launch settings, if at all.
-fn differ_by_launch(one: &Row, other: &Row) -> bool {
-    let plain = |row: &Row| {
-        let mut parameters = row.tracer.parameters.clone();
-        parameters.retain(|name, _| name != MEMORY_ACCESS && name != RAYS_PER_LANE);
-        (row.tracer.name.clone(), parameters, row.viewpoint.frame, row.viewpoint.face)
-    };
-    plain(one) == plain(other)
 }
 
 fn on_device(row: &Row) -> bool {
@@ -250,6 +240,7 @@ mod tests {
     use super::*;
     use crate::report::fixture::{self, Quality};
     use crate::report::group::groups;
+    use crate::results::{MEMORY_ACCESS, RAYS_PER_LANE};
 
     const SETS: [(&str, Query); 1] = [("diffuse", Query::Closest)];
 

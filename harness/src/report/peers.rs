@@ -10,7 +10,7 @@ use super::launch::{by_default, default_launch, same_hits};
 use super::metrics::{BUILD_RATE, STRUCTURE};
 use super::sheet::{self, Cell, Column, Sheet};
 use super::tables::Placed;
-use super::{Report, cells, launch, metrics, rows, summary};
+use super::{Report, cells, metrics, rows, summary};
 use crate::peers::{Rows, Table};
 use crate::results::{LaunchSettings, Record, Row, Times, host_ms};
 
@@ -95,7 +95,7 @@ fn page(table: &Table, record: &Record, groups: &[Group<'_>]) -> Document {
     let section = |group: &Group<'_>| {
         let of_set = |set: &RaySet<'_>| {
             let traces = traces(table, record, group, set);
-            let beside = || launch::between(record, group, set).and(beside::table(Place { record, group, set }));
+            let beside = || beside::table(Place { record, group, set });
             if table.rows == Rows::LaunchSettings { traces.and(beside()) } else { traces }
         };
         let sets = group.ray_sets.iter().map(of_set);

@@ -101,6 +101,16 @@ impl TracerRecord {
     }
 }
 
+/// Whether rows are the same tracer's in the same place and differ in launch settings alone, or in nothing.
+pub fn differ_in_launch(one: &Row, other: &Row) -> bool {
+    let rest = |row: &Row| {
+        let of_launch = |name: &String| [MEMORY_ACCESS, RAYS_PER_LANE].contains(&name.as_str());
+        let rest = row.tracer.parameters.iter().filter(|(name, _)| !of_launch(name));
+        rest.map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
+    };
+    one.tracer.name == other.tracer.name && one.viewpoint == other.viewpoint && rest(one) == rest(other)
+}
+
 /// Ratios of two methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtLaunchSettings<R> {
@@ -143,17 +153,6 @@ struct Timed<'r> {
     launch: Option<LaunchSettings>,
     row: &'r Row,
     ms: f64,
-}
-
-impl<R> AtLaunchSettings<R> {
-    /// What is said of all ratios, if it is the same of each; `None` where they differ, so that nothing can be said between the methods,
-    /// and where there are none.
-    pub fn agreed<S: PartialEq>(&self, said: impl Fn(&R) -> S) -> Option<S> {
-        let ratios = self.equal.iter().map(|(_, ratio)| ratio).chain(self.best.as_ref().map(|(_, ratio)| ratio));
-        let mut all = ratios.map(said);
-        let first = all.next()?;
-        all.all(|other| other == first).then_some(first)
-    }
 }
 
 #[cfg(test)]
@@ -221,7 +220,10 @@ mod tests {
         let [one, other] = [one, other].map(|rows| rows.iter().collect::<Vec<_>>());
         let time_ms = |row: &Row| Some(row.traces.first()?.times.median_ms);
         let found = at_launch_settings(&one, &other, time_ms, |one, other| Some(time_ms(other)? / time_ms(one)?));
-        (found.equal.len(), found.agreed(|ratio| *ratio > 1.0))
+        let ratios: Vec<f64> =
+            found.equal.iter().map(|(_, ratio)| *ratio).chain(found.best.map(|(_, ratio)| ratio)).collect();
+        let is = |faster: bool| !ratios.is_empty() && ratios.iter().all(|ratio| (*ratio > 1.0) == faster);
+        (found.equal.len(), is(true).then_some(true).or(is(false).then_some(false)))
     }
 
     /// Proves that a verdict is given where it is the same at every combination and at each one's best, and none where one combination

@@ -53,7 +53,7 @@ pub use judgement::{
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use launch::{
     AtLaunchSettings, LaunchRecord, LaunchSettings, MARGIN, MEMORY_ACCESS, ProbeRecord, RAYS_PER_LANE,
-    at_launch_settings,
+    at_launch_settings, differ_in_launch,
 };
 pub use merge::{MergeError, merge};
 pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, values_label};

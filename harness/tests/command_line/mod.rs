@@ -13,7 +13,6 @@ mod refusals;
 mod reproductions;
 mod resume;
 mod runs;
-mod scripts;
 mod stability;
 mod stops;
 mod surfaces;
