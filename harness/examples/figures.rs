@@ -4,12 +4,12 @@
 //! below look at the committed pages. CONTRIBUTING.md has the language of results/figures.json.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
 use tracebench_harness::machine;
+use tracebench_harness::report::unpacked;
 use tracebench_harness::statistics::{median, median_interval};
 
 fn main() -> ExitCode {
@@ -185,11 +185,7 @@ impl Records<'_> {
 
 /// A file as JSON: what is JSON as it is, packed or not, comma-separated values as rows by column.
 fn record(path: &Path) -> Result<Value, Box<dyn std::error::Error>> {
-    let mut bytes = std::fs::read(path)?;
-    if path.extension().is_some_and(|ending| ending == "gz") {
-        let packed = std::mem::take(&mut bytes);
-        flate2::read::MultiGzDecoder::new(&packed[..]).read_to_end(&mut bytes)?;
-    }
+    let bytes = unpacked(path)?;
     if path.extension().is_some_and(|ending| ending == "csv") {
         let rows: Result<Vec<BTreeMap<String, String>>, csv::Error> =
             csv::Reader::from_reader(&bytes[..]).deserialize().collect();

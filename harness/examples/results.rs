@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tracebench_harness::machine;
+use tracebench_harness::report::unpacked;
 use tracebench_harness::results::RULES_VERSION;
 
 /// A committed record.
@@ -146,19 +147,10 @@ fn read(path: &Path) -> Result<String, String> {
 
 /// The record of a folder: that of a run, or of the clock.
 fn record(folder: &Path) -> Result<Option<Value>, String> {
-    for name in ["run.json", "clock.json"] {
-        let (plain, packed) = (folder.join(name), folder.join(format!("{name}.gz")));
-        let bytes = match (std::fs::read(&plain), std::fs::File::open(&packed)) {
-            (Ok(bytes), _) => bytes,
-            (_, Ok(file)) => {
-                let mut bytes = Vec::new();
-                let mut file = flate2::read::GzDecoder::new(file);
-                std::io::copy(&mut file, &mut bytes).map_err(|error| format!("{}: {error}", packed.display()))?;
-                bytes
-            }
-            _ => continue,
-        };
-        return serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", folder.display()));
+    let names = ["run.json", "run.json.gz", "clock.json", "clock.json.gz"].map(|name| folder.join(name));
+    if let Some(path) = names.iter().find(|path| path.exists()) {
+        let bytes = unpacked(path).map_err(|error| error.to_string())?;
+        return serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", path.display()));
     }
     Ok(None)
 }

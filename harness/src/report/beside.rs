@@ -4,14 +4,14 @@ use std::ptr;
 
 use itertools::Itertools as _;
 use serde_json::json;
-use tracebench_api::ClockKind;
+use tracebench_api::{ClockKind, Query};
 
 use super::cells::TableRow;
 use super::document::Document;
 use super::format::{NONE, mib, percent, significant};
 use super::group::{Group, RaySet, Role};
 use super::markdown::literal;
-use super::metrics::{self, STRUCTURE};
+use super::metrics::{self, BALANCED, STRUCTURE};
 use super::sheet::{Cell, Column, Columns, Sheet};
 use super::summary;
 use crate::registry::{Family, TRACERS};
@@ -19,12 +19,8 @@ use crate::results::{
     Answer, Caveat, Paired, Record, Row, Timed, TraceRecord, TracerRecord, differ_in_launch, host_ms,
 };
 
-/// What is compared, with its name for people and for programs.
-const SPANS: [(Span, &str, &str); 3] = [
-    (Span::Trace, "trace", "trace"),
-    (Span::SteadyBuild, "steady build", "steady_build"),
-    (Span::Frame, "frame", "frame"),
-];
+/// What is compared, with its name.
+const SPANS: [(Span, &str); 3] = [(Span::Trace, "trace"), (Span::SteadyBuild, "steady build"), (Span::Frame, "frame")];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Span {
@@ -91,8 +87,7 @@ impl<'a> Place<'a> {
             let timed = rows.filter_map(|traced| Some((span.host_ms(traced)?, traced)));
             timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, traced)| traced)
         };
-        let right = |trace| metrics::right_of(trace).last()?.share;
-        let own = right(self.set.trace_of(row)?)?;
+        let (own, _) = right_of(self.set.trace_of(row)?)?;
         let at_best = comparator == Comparator::AtBest;
         let as_equal = |other: &Row| row.tracer.launch().zip(other.tracer.launch()).is_none_or(|(own, its)| own == its);
         let stands = |(other, trace): &(&'a Row, &'a TraceRecord)| {
@@ -103,7 +98,7 @@ impl<'a> Place<'a> {
                 && is_other
                 && (comparator != Comparator::OnDevice || on_device(row) && on_device(other))
                 && other.update_mode == row.update_mode
-                && right(trace).is_some_and(|right| right >= own)
+                && right_of(trace).is_some_and(|(right, _)| right >= own)
         };
         let beside = least(&mut self.rows().filter(stands))?;
         let of_row = |(other, _): &(&'a Row, &'a TraceRecord)| differ_in_launch(row, other);
@@ -140,14 +135,14 @@ impl Beside<'_> {
 
 /// Columns for programs: every ratio with its interval, and the hierarchy that it is to.
 pub(super) fn columns<'a, R: 'a>(of: impl Fn(&R) -> Option<(Place<'a>, TableRow<'a>)> + Copy + 'a) -> Columns<'a, R> {
-    let column = |((span, _, what), (comparator, _, whose)): ((Span, _, &str), (Comparator, _, &str))| {
+    let column = |((span, what), (comparator, _, whose)): ((Span, &str), (Comparator, _, &str))| {
         let found = move |row: &R| {
             let (place, (role, row, _)) = of(row)?;
             if role == Role::Tracer { place.beside(row, span, comparator) } else { None }
         };
         let ratio = move |row: &R| found(row).and_then(|found| found.paired.ratio).map_or(Cell::Absent, Cell::from);
         let name = move |row: &R| found(row).map_or(Cell::Absent, |found| found.hierarchy.label().into());
-        let title = format!("{what}_over_{whose}");
+        let title = format!("{}_over_{whose}", what.replace(' ', "_"));
         [Column::csv(&*title, ratio), Column::csv(format!("{title}_name"), name)]
     };
     SPANS.into_iter().cartesian_product(COMPARATORS).flat_map(column).collect()
@@ -158,16 +153,32 @@ const WORDS: &str = "Beside hierarchies of this run that are at least as often r
                      at equal launch settings: how many times as long it takes, by the host's clock, in paired rounds. Intervals cover 99.9 %. A \
                      frame is a steady build and a trace.";
 
+/// How often a trace is right by the rule that comparators go by, and as people read it.
+fn right_of(trace: &TraceRecord) -> Option<(f64, String)> {
+    let right = *metrics::right_of(trace).last()?;
+    Some((right.share?, format!("{} %", percent(right.share?, right.trials))))
+}
+
+fn right_heading(query: Query) -> String {
+    match query {
+        Query::Closest => "right within the footprint ↑".to_owned(),
+        Query::Any => BALANCED.heading(),
+    }
+}
+
 /// The rows of a ray set beside hierarchies.
 pub(super) fn table(place: Place<'_>) -> Document {
-    let mut sheet = Sheet::<&Row>::new().column("tracer", |row| row.label());
-    for ((span, what, _), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
+    let right =
+        |row: &&Row| place.set.trace_of(row).and_then(right_of).map_or_else(|| NONE.to_owned(), |(_, said)| said);
+    let mut sheet =
+        Sheet::<&Row>::new().column("tracer", |row| row.label()).column(right_heading(place.set.query), right);
+    for ((span, what), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
         sheet = sheet.column(format!("{what} over {whose} ↓"), move |row| {
             place.beside(row, span, comparator).map_or(Cell::Absent, |beside| (beside.said() + &beside.of()).into())
         });
     }
     let table = sheet.table(&place.rows().map(|(row, _)| row).collect::<Vec<_>>());
-    if table.headings().count() > 1 { Document::default().below(WORDS, table) } else { Document::default() }
+    if table.headings().count() > 2 { Document::default().below(WORDS, table) } else { Document::default() }
 }
 
 /// Every tracer over the scenes of a run, if there are several, by ray set: least and most of what it has there.
@@ -187,17 +198,14 @@ pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Option<Docum
             all.unique_by(|tracer| (&tracer.name, json!(tracer.parameters).to_string())).map(TracerRecord::label);
         let mut sheet = Sheet::<String>::new()
             .column("tracer", String::clone)
-            .column("right within the footprint ↑", |label| {
-                range(places, label, |_, (_, trace)| {
-                    let right = *metrics::right_of(trace).last()?;
-                    Some((right.share?, format!("{} %", percent(right.share?, right.trials)), String::new()))
-                })
+            .column(right_heading(places[0].set.query), |label| {
+                range(places, label, |_, (_, trace)| right_of(trace).map(|(share, said)| (share, said, String::new())))
             })
             .column(STRUCTURE.heading(), |label| {
                 let bytes = |(row, _): (&Row, _)| row.memory.structure_bytes;
                 range(places, label, |_, traced| Some((bytes(traced) as f64, mib(bytes(traced)), String::new())))
             });
-        for ((span, what, _), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
+        for ((span, what), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
             sheet = sheet.column(format!("{what} over {whose} ↓"), move |label| {
                 let beside = |place: Place<'_>, (row, _)| {
                     let found = place.beside(row, span, comparator)?;
@@ -234,9 +242,6 @@ fn range<'a>(
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-    use tracebench_api::Query;
-
     use super::*;
     use crate::report::fixture::{self, Quality};
     use crate::report::group::groups;

@@ -346,8 +346,11 @@ struct Head {
     schema: Option<serde_json::Value>,
 }
 
-/// The bytes of a file, unpacked where it is compressed, of which there may be no more than [`MAX_RECORD_BYTES`].
-fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
+/// The bytes of a file, unpacked where gzip packed it.
+///
+/// # Errors
+/// If it cannot be read, or has more than [`MAX_RECORD_BYTES`].
+pub fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let fail = |source: std::io::Error| match source.kind() {
         ErrorKind::NotFound => ReportError::Missing { path: path.to_owned(), file: RUN_FILE },
         _ => ReportError::Read { path: path.to_owned(), source },
