@@ -44,6 +44,10 @@ pub enum Test {
         table: String,
         /// The quantity, one of the paper's.
         quantity: String,
+        /// The same by another reading of what the paper leaves open, such as where a ray starts or a cap: where the two do not lead to the
+        /// same decision the claim is undecided.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        either: Option<String>,
         /// The paper's scenes that it is about, of whose stand-ins alone the quantity is taken; none for all of the table's.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         scenes: Vec<String>,
@@ -97,6 +101,14 @@ impl Claim {
     pub fn table(&self) -> Option<&str> {
         match &self.test {
             Test::Measured { table, .. } => Some(table),
+            Test::NotMeasurable { .. } => None,
+        }
+    }
+
+    /// The quantity by the other reading, if it has one.
+    pub fn either(&self) -> Option<&str> {
+        match &self.test {
+            Test::Measured { either, .. } => either.as_deref(),
             Test::NotMeasurable { .. } => None,
         }
     }

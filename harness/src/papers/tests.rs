@@ -55,12 +55,17 @@ fn claims_can_be_decided() {
         assert!(["text", "table", "derived"].contains(&claim.source.as_str()), "{}", claim.source);
         match &claim.test {
             Test::NotMeasurable { not_measurable } => assert!(!not_measurable.is_empty(), "{}", claim.id),
-            Test::Measured { table, quantity: name, scenes, rule } => {
+            Test::Measured { table, quantity: name, either, scenes, rule } => {
                 let experiment = paper.experiment(table).unwrap_or_else(|| panic!("{}: no table {table}", claim.id));
                 let stands = |name: &String| experiment.scenes.iter().any(|scene| scene.published == name);
                 assert!(scenes.iter().all(stands), "{}: {scenes:?}", claim.id);
                 let quantity = paper.quantity(name).unwrap_or_else(|| panic!("{}: no quantity {name}", claim.id));
                 used.push((paper.name, quantity.name));
+                if let Some(either) = either {
+                    let other = paper.quantity(either).unwrap_or_else(|| panic!("{}: no quantity {either}", claim.id));
+                    assert!(other.unit == quantity.unit && other.name != quantity.name, "{}", claim.id);
+                    used.push((paper.name, other.name));
+                }
                 assert!(rule.least.is_some() || rule.most.is_some(), "{}", claim.id);
                 assert!(rule.least.zip(rule.most).is_none_or(|(least, most)| least <= most), "{}", claim.id);
                 if let (Some([stated]), "%") = (claim.published.as_deref(), claim.unit.as_str()) {
@@ -280,6 +285,39 @@ fn verdicts_follow_from_values() {
     }
     let (_, never) = claim_of("dirt-cr-lists-oblique");
     assert_eq!(judge(paper, &never, &Rows::of(&record(0.56))).verdict, Verdict::NotMeasurable);
+}
+
+/// A claim with two readings holds, or does not, where both say so; it is undecided where they differ, and is not measured where one
+/// of them is not. Either's values are kept and shown.
+#[test]
+fn readings_must_agree() {
+    let (paper, mut claim) = claim_of("dirt-references-2x2");
+    let Test::Measured { either, rule, .. } = &mut claim.test else { panic!("it is measured") };
+    *either = Some("references_saved_2_to_4".to_owned());
+    rule.most = None;
+    // References saved to tiles of 2x2, and further to 4x4; the claim asks for at least 46 percent.
+    let judged = |[two, four]: [f64; 2]| {
+        let of = move |tile_size: u64, _| {
+            (1000, 1000.0 * if tile_size > 1 { 1.0 - two } else { 1.0 } * if tile_size > 2 { 1.0 - four } else { 1.0 })
+        };
+        judge(paper, &claim, &Rows::of(&run_of(over_buckets("room", of))))
+    };
+    let agreed = [judged([0.5, 0.6]), judged([0.2, 0.1])];
+    assert_eq!([&agreed[0], &agreed[1]].map(|each| each.verdict), [Verdict::Holds, Verdict::DoesNotHold]);
+    assert!(agreed.iter().all(|each| each.reason.is_none() && each.values.len() == 1 && each.either.len() == 1));
+    assert!((agreed[0].values[0].value - 50.0).abs() < 1e-9 && (agreed[0].either[0].value - 60.0).abs() < 1e-9);
+    let flips = [judged([0.5, 0.1]), judged([0.1, 0.5])];
+    assert!(flips.iter().all(|each| each.verdict == Verdict::Undecided));
+    let [first, second] = flips.map(|each| each.reason.unwrap());
+    assert_eq!(first, "by references_saved_1_to_2 holds; by references_saved_2_to_4 does not hold here");
+    assert_eq!(second, "by references_saved_1_to_2 does not hold here; by references_saved_2_to_4 holds");
+    // Without the other reading's rows.
+    let of = |tile_size: u64, _| (1000, 1000.0 / tile_size as f64);
+    let mut rows = over_buckets("room", of);
+    rows.retain(|row| row.tracer.parameters["tile_size"].as_str() != Some("4"));
+    let lacking = judge(paper, &claim, &Rows::of(&run_of(rows)));
+    assert!(lacking.verdict == Verdict::NotMeasured && lacking.values.len() == 1 && lacking.either.is_empty());
+    assert!(lacking.reason.unwrap().contains("references_saved_2_to_4"));
 }
 
 /// Claims about times of rasterization are decided on hardware alone; on a software adapter the values stand all the same.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::claims::{Claim, Decision, Rule, Test};
-use super::quantity::OfScene;
+use super::quantity::{OfScene, Quantity};
 use super::rows::Rows;
 use super::{DataError, Paper};
 use crate::results::Record;
@@ -74,6 +74,9 @@ pub struct JudgedClaim {
     pub reason: Option<String>,
     /// What was measured, whatever the verdict.
     pub values: Vec<SceneValue>,
+    /// The same by the other reading, where the claim has one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub either: Vec<SceneValue>,
     /// Unit of the values.
     pub unit: &'static str,
     /// Their median.
@@ -107,8 +110,8 @@ impl JudgedClaim {
     }
 
     fn without_values(claim: Claim, verdict: Verdict, reason: String) -> Self {
-        let (values, unit, median, scenes, measured_by) = (Vec::new(), "", None, [0; 2], None);
-        Self { claim, verdict, reason: Some(reason), values, unit, median, scenes, measured_by }
+        let (values, either, unit, median, scenes, measured_by) = (Vec::new(), Vec::new(), "", None, [0; 2], None);
+        Self { claim, verdict, reason: Some(reason), values, either, unit, median, scenes, measured_by }
     }
 }
 
@@ -119,37 +122,36 @@ fn on_hardware(record: &Record) -> bool {
 
 /// Judges one claim of a paper by a run that was made for its table, or is taken for it.
 pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
-    let (table, name, scenes, rule) = match &claim.test {
+    let (table, name, either, scenes, rule) = match &claim.test {
         Test::NotMeasurable { not_measurable } => {
             return JudgedClaim::not_measurable(claim, not_measurable);
         }
-        Test::Measured { table, quantity, scenes, rule } => (table, quantity, scenes, rule),
+        Test::Measured { table, quantity, either, scenes, rule } => (table, quantity, either, scenes, rule),
     };
-    let Some((experiment, quantity)) = paper.experiment(table).zip(paper.quantity(name)) else {
+    let quantities: Option<Vec<_>> = std::iter::once(name).chain(either).map(|name| paper.quantity(name)).collect();
+    let Some((experiment, quantities)) = paper.experiment(table).zip(quantities) else {
         let reason = format!("there is no table {table} or no quantity {name}");
         return JudgedClaim::without_values(claim.clone(), Verdict::NotMeasured, reason);
     };
     let about = rows.standing_for(experiment, scenes);
     // What stands for nothing decides nothing, and is shown all the same.
-    let found = quantity.values(if about.scenes.is_empty() { rows } else { &about });
-    let estimates: Vec<_> = found.iter().map(|each| each.found.clone()).collect();
+    let shown = if about.scenes.is_empty() { rows } else { &about };
+    let readings: Vec<_> = quantities.into_iter().map(|quantity| (quantity, quantity.values(shown))).collect();
+    let lacking = readings.iter().find(|(_, found)| found.is_empty());
     let (verdict, reason) = match () {
         () if about.scenes.is_empty() => {
             let of = if scenes.is_empty() { "any of the paper's".to_owned() } else { scenes.join(" or ") };
             (Verdict::NotMeasured, Some(format!("the record has no scene that stands for {of}")))
         }
-        () if found.is_empty() => {
-            (Verdict::NotMeasured, Some(format!("the record has no scene with the rows of {table} that it takes")))
+        () if lacking.is_some() => {
+            let name = lacking.map_or("it", |(quantity, _)| quantity.name);
+            (Verdict::NotMeasured, Some(format!("the record has no scene with the rows of {table} that {name} takes")))
         }
         () if claim.needs_hardware_raster && !on_hardware(rows.record) => {
             let reason = "needs times of hardware rasterization, the adapter is software";
             (Verdict::NotMeasurable, Some(reason.to_owned()))
         }
-        () => match rule.decide(&estimates) {
-            Decision::Holds => (Verdict::Holds, None),
-            Decision::Fails => (Verdict::DoesNotHold, None),
-            Decision::Open => (Verdict::Undecided, Some(open(rule, &found))),
-        },
+        () => agreed(rule, &readings),
     };
     let record = rows.record;
     let measured_by = MeasuredBy {
@@ -160,7 +162,8 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         commit: record.provenance.commit.clone(),
         started: record.provenance.started.clone(),
     };
-    let values: Vec<SceneValue> = found.iter().map(SceneValue::from).collect();
+    let mut values = readings.iter().map(|(_, found)| found.iter().map(SceneValue::from).collect::<Vec<_>>());
+    let (values, either) = (values.next().unwrap_or_default(), values.next().unwrap_or_default());
     let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
     JudgedClaim {
         claim: claim.clone(),
@@ -168,9 +171,34 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         reason,
         median: (!values.is_empty()).then(|| crate::statistics::median(&plain)),
         values,
-        unit: quantity.unit,
+        either,
+        unit: readings[0].0.unit,
         scenes: [about.names(), if scenes.is_empty() { experiment.scenes.len() } else { scenes.len() }],
         measured_by: Some(measured_by),
+    }
+}
+
+/// What every reading says: undecided with all that they say where it is not the same.
+fn agreed(rule: &Rule, readings: &[(&Quantity, Vec<OfScene>)]) -> (Verdict, Option<String>) {
+    let each: Vec<_> = readings.iter().map(|(_, found)| decided(rule, found)).collect();
+    let (first, rest) = (&each[0], &each[1..]);
+    if rest.iter().all(|other| other == first) {
+        return first.clone();
+    }
+    let said = readings.iter().zip(&each).map(|((quantity, _), (verdict, reason))| {
+        let reason = reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
+        format!("by {} {}{reason}", quantity.name, verdict.name())
+    });
+    (Verdict::Undecided, Some(said.collect::<Vec<_>>().join("; ")))
+}
+
+/// What a reading alone says.
+fn decided(rule: &Rule, found: &[OfScene]) -> (Verdict, Option<String>) {
+    let estimates: Vec<_> = found.iter().map(|each| each.found.clone()).collect();
+    match rule.decide(&estimates) {
+        Decision::Holds => (Verdict::Holds, None),
+        Decision::Fails => (Verdict::DoesNotHold, None),
+        Decision::Open => (Verdict::Undecided, Some(open(rule, found))),
     }
 }
 

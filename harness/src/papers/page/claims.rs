@@ -21,7 +21,8 @@ pub(super) fn section(judged: &[JudgedClaim]) -> Document {
 const HOW: &str = "A claim holds if the values here lie in the range beside them; a percentage holds within 10 percentage points, \
                    or within half of its value where that is less. Where the paper gives no number, the range is this suite's and \
                    stands with the conditions. Of what is timed the interval stands beside the value; a verdict takes twelve rounds and an \
-                   interval that lies on one side of every end of the range, and else is undecided. The adapter and its clock are those above: on a software adapter a ratio of times \
+                   interval that lies on one side of every end of the range, and else is undecided. So is a claim with two quantities, by two \
+                   readings of what the paper leaves open, that do not lead to one verdict. The adapter and its clock are those above: on a software adapter a ratio of times \
                    says what it says there.";
 
 fn value(value: f64, unit: &str) -> String {
@@ -51,23 +52,25 @@ fn interval(of: &SceneValue) -> String {
     })
 }
 
-/// Every scene's own figure, then the median.
+/// Every scene's own figure, then the median; by either reading where there are two.
 fn measured(judged: &JudgedClaim) -> Option<String> {
-    let all: Vec<String> = judged
-        .values
-        .iter()
-        .map(|each| format!("{} {}{}", each.scene, value(each.value, judged.unit), interval(each)))
-        .collect();
-    match (all.as_slice(), judged.median) {
-        ([], _) => None,
-        ([_, _, ..], Some(median)) => Some(format!("{}; median {}", all.join(", "), value(median, judged.unit))),
-        _ => Some(all.join(", ")),
+    let scenes = |values: &[SceneValue]| {
+        let scene = |each: &SceneValue| format!("{} {}{}", each.scene, value(each.value, judged.unit), interval(each));
+        (!values.is_empty()).then(|| values.iter().map(scene).collect::<Vec<_>>().join(", "))
+    };
+    let median = judged.median.filter(|_| judged.values.len() > 1);
+    let median = median.map_or_else(String::new, |median| format!("; median {}", value(median, judged.unit)));
+    let own = scenes(&judged.values).map(|values| values + &median);
+    match (judged.claim.either(), scenes(&judged.either)) {
+        (Some(either), Some(other)) => Some(format!("{}. By `{either}`: {other}", own.as_deref().unwrap_or("none"))),
+        _ => own,
     }
 }
 
 fn rule(claim: &Claim) -> Option<String> {
+    let either = claim.either().map_or_else(String::new, |either| format!(" and `{either}` alike"));
     match &claim.test {
-        Test::Measured { quantity, rule, .. } => Some(format!("`{quantity}`: {}", rule.describe())),
+        Test::Measured { quantity, rule, .. } => Some(format!("`{quantity}`{either}: {}", rule.describe())),
         Test::NotMeasurable { .. } => None,
     }
 }
