@@ -4,7 +4,7 @@ use std::io::{self, Write as _};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle, TermLike};
 
 /// Between the lines of one bar where there is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
@@ -41,10 +41,10 @@ impl Progress {
         } else if terminal.is_hidden() {
             (ProgressDrawTarget::term_like(Box::new(Lines::new(BETWEEN_LINES, to_stderr))), LINE)
         } else {
-            (terminal, "  {msg} {wide_bar} {pos}/{len} {eta}")
+            (terminal, "  {msg} {wide_bar} {pos}/{len} {left}")
         };
         let bar = ProgressBar::with_draw_target(Some(length), target);
-        if let Ok(style) = ProgressStyle::with_template(template) {
+        if let Ok(style) = style(template) {
             bar.set_style(style);
         }
         bar.set_message(what.to_owned());
@@ -54,7 +54,16 @@ impl Progress {
 }
 
 /// A bar as a line.
-const LINE: &str = "  {msg}: {percent} %, about {eta} left";
+const LINE: &str = "  {msg}: {percent} %, about {left} left";
+
+/// A style whose `left` is what is left at the mean pace so far: indicatif's own estimate of few long steps grows without end.
+fn style(template: &str) -> Result<ProgressStyle, indicatif::style::TemplateError> {
+    let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+        let share = state.len().unwrap_or(0) as f64 / state.pos().max(1) as f64 - 1.0;
+        let _ = write!(out, "{:#}", HumanDuration(state.elapsed().mul_f64(share.max(0.0))));
+    };
+    Ok(ProgressStyle::with_template(template)?.with_key("left", left))
+}
 
 /// What stands for a terminal where there is none: what would be drawn over and over is told as a line now and then.
 #[derive(Debug)]
@@ -133,7 +142,7 @@ mod tests {
             TOLD.lock().unwrap().clear();
             let target = ProgressDrawTarget::term_like(Box::new(Lines::new(between, note)));
             let bar = ProgressBar::with_draw_target(Some(8), target).with_message("ground truth");
-            bar.set_style(ProgressStyle::with_template(LINE).unwrap());
+            bar.set_style(style(LINE).unwrap());
             for done in [2, 4] {
                 bar.set_position(done);
                 bar.force_draw();
