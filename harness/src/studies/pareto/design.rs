@@ -2,13 +2,14 @@
 //!
 //! First the tracer as it was asked for. Then in turn a point with one axis at another value, and one with two. Axes take turns, and
 //! every axis takes its values from the nearest to its own outwards, so that whatever number of points there is, no axis has many
-//! more of them than another (`tests::every_prefix_is_fair`). A tracer's presets take turns as well: a tracer with two
-//! of them has no more points than one whose presets are the same.
+//! more of them than another (`tests::every_prefix_is_fair`). Resolutions alone have two values in the first turn, half and double: how far a
+//! sampled method gets must not hang on the frame that was asked for. A tracer's presets take turns as well: a tracer with two
+//! of them has no more points than one whose presets are the same; its improved form begins with the double.
 
 use std::collections::BTreeMap;
 
 use itertools::Itertools as _;
-use tracebench_api::{Domain, Invalidation, ParameterDescription, Value};
+use tracebench_api::{Domain, Invalidation, ParameterDescription, Preset, Value};
 
 use crate::measure::records;
 use crate::plan::{Resolution, RunPreset, TracerRequest};
@@ -53,7 +54,7 @@ pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
         let described = description.parameters.iter().find(|each| each.name == name);
         let steps = match described {
             Some(described) => parameter_steps(request, described),
-            None if name == RESOLUTION => resolution_steps(preset),
+            None if name == RESOLUTION => resolution_steps(preset, request.preset),
             None => Vec::new(),
         };
         Axis { name: name.to_owned(), steps }
@@ -61,10 +62,14 @@ pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
     names.map(axis).filter(|axis| !axis.steps.is_empty()).collect()
 }
 
-/// Multiples that leave whole edges.
-fn resolution_steps(preset: RunPreset) -> Vec<String> {
+/// Multiples that leave whole edges; of improved forms the double first, so that few points of both forms have half and double.
+fn resolution_steps(preset: RunPreset, form: Preset) -> Vec<String> {
     let sound = |text: &&str| Multiple::parse(text).is_some_and(|multiple| multiple.scale(preset).is_ok());
-    RESOLUTIONS.iter().filter(|text| sound(text)).map(|text| (*text).to_owned()).collect()
+    let mut steps: Vec<String> = RESOLUTIONS.iter().filter(|text| sound(text)).map(|text| (*text).to_owned()).collect();
+    if form == Preset::Improved && steps.len() > 1 {
+        steps.swap(0, 1);
+    }
+    steps
 }
 
 /// Values from the nearest to the own one outwards, by their places in order: below and above in turn. Choices in their order.
@@ -100,7 +105,14 @@ pub fn order(axes: &[Axis]) -> Vec<BTreeMap<String, String>> {
     let mut singles: Vec<BTreeMap<String, String>> = Vec::new();
     let mut pairs: Vec<BTreeMap<String, String>> = Vec::new();
     for round in 0..rounds {
-        singles.extend(axes.iter().filter_map(|axis| Some(BTreeMap::from([change(axis, round)?]))));
+        for axis in axes {
+            let rounds = match axis.name.as_str() {
+                RESOLUTION if round == 0 => 0..2,
+                RESOLUTION => round + 1..round + 2,
+                _ => round..round + 1,
+            };
+            singles.extend(rounds.filter_map(|round| Some(BTreeMap::from([change(axis, round)?]))));
+        }
         // Every axis with the next, then with the next but one, and so on round the circle: each is in two pairs of a turn.
         for shift in 1..=axes.len() / 2 {
             let firsts = if 2 * shift == axes.len() { shift } else { axes.len() };
@@ -194,8 +206,6 @@ pub fn design(
 
 #[cfg(test)]
 mod tests {
-    use tracebench_api::Preset;
-
     use super::*;
     use crate::registry::{self, TRACERS};
 
@@ -284,7 +294,8 @@ mod tests {
             assert_eq!((has(&dirt, name), has(&improved, name)), (published, !published), "{name}");
         }
         let narrow = RunPreset { frame: [6, 6], face: 6, ..preset() };
-        assert_eq!(resolution_steps(narrow), ["1/2", "2"]);
+        assert_eq!(resolution_steps(narrow, Preset::Published), ["1/2", "2"]);
+        assert_eq!(resolution_steps(narrow, Preset::Improved), ["2", "1/2"]);
     }
 
     /// Proves that every tracer gets as many points or all that it has, both presets together, each once and in the order of its
@@ -306,9 +317,20 @@ mod tests {
             assert!((1..=3).contains(&few.len()) && many.len() <= 9 && many.starts_with(&few), "{}", many.len());
             assert!(many.iter().enumerate().all(|(place, point)| point.order as usize == place));
             assert!(few[0].values.is_empty() && few[0].preset == "published");
-            let request = |preset| TracerRequest::of(registration, preset).parameters;
-            if request(Preset::Published) != request(Preset::Improved) {
+            let [published, improved] =
+                [Preset::Published, Preset::Improved].map(|form| TracerRequest::of(registration, form));
+            let both_forms = published.parameters != improved.parameters;
+            if both_forms {
                 assert!(few[1].values.is_empty() && few[1].preset == "improved", "{}", registration.name());
+            }
+            let sized = |form| axes(form, preset()).iter().any(|axis| axis.name == RESOLUTION);
+            if sized(&published) && (sized(&improved) || !both_forms) {
+                let resolutions = |preset: &str| {
+                    let singles = many[..4].iter().filter(|point| point.preset == preset && point.values.len() == 1);
+                    singles.filter_map(|point| point.values.get(RESOLUTION)).cloned().collect::<Vec<_>>().join(" ")
+                };
+                let found = ["published", "improved"].map(resolutions);
+                assert_eq!(found, if both_forms { ["1/2", "2"] } else { ["1/2 2", ""] }, "{}", registration.name());
             }
         }
         assert!(many.iter().any(|each| each.point.face != preset().face));
