@@ -20,9 +20,10 @@ use super::metrics::{
 use super::sheet::{Cell, Columns, Sheet, Table};
 use super::surfaces;
 use super::verdict::{self, Verdict};
+use crate::judge::REFERENCE_PIXELS;
 use crate::results::{
     Classes, CounterRecord, InterleavedSetRecord, Judgement, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped,
-    StopReason, TraceRecord,
+    StopReason, TraceRecord, ViewpointRecord,
 };
 
 /// How many causes a row names.
@@ -89,8 +90,21 @@ pub(super) fn notes(record: &Record) -> Document {
             literal(&stale)
         )
     });
-    let notes = stale.into_iter().chain(record.rows.iter().flat_map(of_row).unique());
+    let notes = stale.into_iter().chain(footprint(record)).chain(record.rows.iter().flat_map(of_row).unique());
     Document::default().and(notes.map(|note| Document::default().item(note)))
+}
+
+/// How wide pixels of frames and faces are, in those of the camera that `footprint` is of.
+fn footprint(record: &Record) -> Option<String> {
+    let of = |row: &Row| {
+        let ViewpointRecord { vertical_fov_degrees, frame: [width, height], face, .. } = row.viewpoint;
+        let of_frame = REFERENCE_PIXELS * f64::from(0.5 * vertical_fov_degrees).to_radians().tan() / f64::from(height);
+        let of_face = REFERENCE_PIXELS / f64::from(face);
+        format!("{} of {width}x{height} and {} of {face}x{face}", significant(of_frame, 2), significant(of_face, 2))
+    };
+    let each = record.rows.iter().map(of).unique().collect::<Vec<_>>().join(", ");
+    let said = "Footprint: one pixel of the reference camera. A pixel of a frame and one of a face are so many such pixels wide:";
+    (!each.is_empty()).then(|| format!("{said} {each}."))
 }
 
 /// How long was sampled, and which interleaved sets decide nothing.
