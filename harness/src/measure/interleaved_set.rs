@@ -64,7 +64,7 @@ pub(super) struct Participant {
     /// None of a control.
     pub request: Option<TracerRequest>,
     pub control: Option<Control>,
-    slot: usize,
+    pub(super) slot: usize,
     /// How often it traces in one sample.
     pub repeats: usize,
     /// What took it out of the interleaved set.

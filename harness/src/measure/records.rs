@@ -70,6 +70,7 @@ pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
         mrays_per_s: if timings.is_empty() { 0.0 } else { hits.len() as f64 / times.median_ms.max(MIN_MS) / 1e3 },
         times,
         hits_sha256: crate::hash::sha256_of(hits),
+        same_as_first: None,
         counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
         statuses,
         judgement,

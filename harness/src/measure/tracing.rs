@@ -1,16 +1,17 @@
 //! The interleaved set of a ray set: configurations and controls traced in rounds, then judged.
 
-use tracebench_api::{HitBuffer, Timing};
+use tracebench_api::{Hit, HitBuffer, Query, Timing};
 
 use super::RunError;
 use super::doubled_work::{DoubledWork, invalid_reason};
-use super::interleaved_set::{InterleavedSet, Outcome};
+use super::interleaved_set::{InterleavedSet, Outcome, Participant};
 use super::records::{self, Traced};
 use super::rounds::Rounds;
 use super::session::PreparedRays;
 use super::workload::{Observations, Refusal};
 use crate::judge::true_counts;
 use crate::results::{InterleavedSetRecord, TraceRecord};
+use crate::truth::tight_tolerance;
 
 /// Tries at an interleaved set: one whose clock fails its control is run again once.
 const ATTEMPTS: usize = 2;
@@ -73,6 +74,12 @@ impl InterleavedSet<'_> {
                 (Some((mut record, told, invalid)), _) => {
                     let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
                     record.doubt_times(failed.clone().or(too_coarse));
+                    let first = self.first_of_tracer(participant, &answered.told);
+                    let tolerance = |t| match rays.set.query {
+                        Query::Closest => tight_tolerance(t, self.session.geometry().diagonal()),
+                        Query::Any => f64::INFINITY,
+                    };
+                    record.same_as_first = first.map(|first| same_answers(first, &told.hits, tolerance));
                     answered.told.push(Some(told));
                     answered.invalid = answered.invalid.or(invalid);
                     answered.outcomes.push(Outcome::Measured(record));
@@ -85,6 +92,17 @@ impl InterleavedSet<'_> {
             answered.outcomes.push(outcome);
         }
         Ok(answered)
+    }
+
+    /// What the first participant with the same tracer answered; none of that participant itself, and of controls.
+    fn first_of_tracer<'a>(&self, participant: usize, told: &'a [Option<Observations>]) -> Option<&'a [Hit]> {
+        let name = |place: usize| {
+            let Participant { slot, control, .. } = &self.participants[place];
+            control.is_none().then(|| self.slots[*slot].config.description.name)
+        };
+        let own = name(participant)?;
+        let mut answered = told.iter().enumerate().filter_map(|(place, told)| Some((place, told.as_ref()?)));
+        answered.find(|(place, _)| name(*place) == Some(own)).map(|(_, told)| told.hits.as_slice())
     }
 
     /// Traces in rounds, with those who do it twice behind all participants.
@@ -140,7 +158,7 @@ impl InterleavedSet<'_> {
         timings: &[Vec<Timing>],
         believed: bool,
     ) -> Option<InterleavedSetRecord> {
-        let labels = self.participants.iter().map(super::interleaved_set::Participant::label);
+        let labels = self.participants.iter().map(Participant::label);
         let doubled = doubles.iter().map(|double| format!("{} twice", self.participants[double.participant].label()));
         let mut interleaved_set = self.record(rays.set.name, seed, rounds, labels.chain(doubled).collect())?;
         let told = |double: &DoubledWork| {
@@ -210,5 +228,34 @@ impl InterleavedSet<'_> {
             surfaces,
         });
         Ok(Some((record, Observations { hits, sampling_model }, invalid)))
+    }
+}
+
+/// How many rays two answer alike: both miss, or both hit at a t within a tolerance.
+fn same_answers(first: &[Hit], own: &[Hit], tolerance: impl Fn(f64) -> f64) -> u64 {
+    let same = |first: &Hit, own: &Hit| {
+        let [t, own_t] = [first.t, own.t].map(f64::from);
+        let near = || (t - own_t).abs() <= tolerance(t);
+        first.is_hit() == own.is_hit() && (!own.is_hit() || near())
+    };
+    first.iter().zip(own).filter(|(first, own)| same(first, own)).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use tracebench_api::{NO_PRIMITIVE, Status};
+
+    use super::*;
+
+    /// Proves that misses of any status are alike, hits within the tolerance, and a hit and a miss not.
+    #[test]
+    fn answers_are_alike_within_tight() {
+        let hit = |t: f32| Hit { t, primitive: NO_PRIMITIVE, u: 0.0, v: 0.0, status: Status::Hit as u32 };
+        let (miss, left) = (Hit::miss(Status::Miss), Hit::miss(Status::LeftViews));
+        let first = [hit(10.0), hit(10.0), hit(10.0), miss, miss];
+        let own = [hit(10.0005), hit(10.01), miss, hit(10.0), left];
+        assert_eq!(same_answers(&first, &own, |t| tight_tolerance(t, 1.0)), 2);
+        assert_eq!(same_answers(&first, &own, |_| f64::INFINITY), 3);
+        assert_eq!(same_answers(&first, &first, |_| 0.0), 5);
     }
 }

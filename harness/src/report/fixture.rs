@@ -410,6 +410,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
         per_trace_bytes: COUNT * 52,
         per_trace: HitBuffer::memory(TraceTo::Hit, COUNT as usize),
         hits_sha256: format!("{:064x}", index + 7),
+        same_as_first: None,
         counters: BTreeMap::from([("nodes".to_owned(), counter)]),
         statuses: BTreeMap::from([("hit".to_owned(), HITS), ("miss".to_owned(), COUNT - HITS)]),
         judgement: match query {

@@ -173,6 +173,7 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
             ("count", *count > 0, "1 or more"),
             ("mrays_per_s", !timed || near(*mrays_per_s, speed), "`count` over `median_ms`"),
             ("per_trace_bytes", trace.per_trace.is_empty() || trace.per_trace_bytes == kept, "the sum of `per_trace`"),
+            ("same_as_first", trace.same_as_first.is_none_or(|rays| rays <= *count), "no more rays than `count`"),
             ("statuses", trace.statuses.is_empty() || statuses == *count, "of as many rays as `count`"),
         ],
     )?;

@@ -33,6 +33,10 @@ pub struct TraceRecord {
     pub per_trace: Vec<MemoryEntry>,
     /// Hash of the judged hits.
     pub hits_sha256: String,
+    /// Rays that were answered as by the first row of the same tracer in the interleaved set: both miss, or both hit at a t that `tight` takes
+    /// for the same. None of that first row, and in files of before it was told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_as_first: Option<u64>,
     /// Counts, from a variant that is not timed.
     pub counters: BTreeMap<String, CounterRecord>,
     /// How many rays ended with which status.
