@@ -78,6 +78,14 @@ impl Estimate {
         })
     }
 
+    /// What is found in several ways, none of none: their median, that lies wherever any of them does.
+    pub(super) fn spanning(all: Vec<Self>) -> Option<Self> {
+        let values: Vec<f64> = all.iter().map(|each| each.value).filter(|value| value.is_finite()).collect();
+        let own = all.first()?.clone();
+        let spread = Self { at_launch_settings: own.at_launch_settings, ..own.spread_over(all) };
+        (!values.is_empty()).then(|| Self { value: crate::statistics::median(&values), ..spread })
+    }
+
     /// The largest, none of none.
     pub(super) fn greatest(all: impl IntoIterator<Item = Self>) -> Option<Self> {
         Self::reduce(all, f64::max)

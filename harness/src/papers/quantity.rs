@@ -110,3 +110,20 @@ pub(super) fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
     }
     (pairs.len() > 2).then(|| sum / f64::from(compared))
 }
+
+/// How often a rank correlation of so many pairs is as strong as this, either way, where the one says nothing of the other: exact, by
+/// counting the orders with as many pairs out of order.
+pub(super) fn rank_chance(count: usize, rank: f64) -> f64 {
+    // Shares of the orders, by their pairs out of order.
+    let mut shares = vec![1.0];
+    for placed in 1..count {
+        let mut next = vec![0.0; shares.len() + placed];
+        for (pairs, share) in shares.iter().enumerate() {
+            next[pairs..=pairs + placed].iter_mut().for_each(|sum| *sum += share / (placed + 1) as f64);
+        }
+        shares = next;
+    }
+    let most = (shares.len() - 1) as f64;
+    let strong = |pairs: usize| most * rank.abs() <= (most - 2.0 * pairs as f64).abs() + 1e-9;
+    shares.iter().enumerate().filter(|(pairs, _)| strong(*pairs)).map(|(_, share)| share).sum()
+}

@@ -401,3 +401,24 @@ fn claims_about_a_scene_look_at_its_stand_in() {
     let none = judged("nowhere");
     assert!(none.verdict == Verdict::NotMeasured && none.reason.unwrap().contains("Ruins"));
 }
+
+/// Chances of orders are those of all orders written out.
+#[test]
+fn chances_of_orders_are_exact() {
+    use itertools::Itertools as _;
+    for count in [3, 4, 6] {
+        let orders: Vec<Vec<usize>> = (0..count).permutations(count).collect();
+        let rank = |order: &[usize]| {
+            let pairs: Vec<_> = order.iter().enumerate().map(|(at, place)| [at as f64, *place as f64]).collect();
+            quantity::rank_correlation(&pairs).unwrap()
+        };
+        let ranks: Vec<f64> = orders.iter().map(|order| rank(order)).collect();
+        for own in &ranks {
+            let as_strong = ranks.iter().filter(|other| other.abs() >= own.abs() - 1e-9).count();
+            let expected = as_strong as f64 / orders.len() as f64;
+            assert!((quantity::rank_chance(count, *own) - expected).abs() < 1e-9, "{count} {own}");
+        }
+    }
+    // Beyond what the count gives chance makes nothing.
+    assert_eq!(quantity::rank_chance(4, 1.1), 0.0);
+}

@@ -2,12 +2,16 @@
 
 use tracebench_api::TraceTo;
 
-use super::{ABUFFER, abuffer, octree, sections};
-use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, at, stands_for};
+use super::{ABUFFER, SAMPLES, abuffer, octree, sections};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, at, of_rays, peer, stands_for};
 use crate::papers::page::beside::beside;
+use crate::papers::wkp15;
 
 /// Every one, in the order of lists.
-pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, FIGURE6, FIGURE7, FIGURE9, FIGURE11, TEXT];
+pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, FIGURE6, FIGURE7, FIGURE9, FIGURE11, TEXT, SCENES];
+
+/// The search that the paper takes for the truth, and the one that it finds enough.
+const BOTH: (&str, &[&str]) = ("search", &["dda2d", "three-step"]);
 
 /// The images of Table 1, of closed objects that mirror, refract and cast shadows.
 const OF_TABLE_1: &[StandIn] = &[stands_for("solids", "Figure 8 top"), stands_for("candy", "Figure 1(b)")];
@@ -15,7 +19,7 @@ const OF_TABLE_1: &[StandIn] = &[stands_for("solids", "Figure 8 top"), stands_fo
 /// Table 1.
 const TABLE1: Experiment = Experiment {
     name: "hhz14-table1",
-    summary: "build and traces of mirrored, refracted and shadow rays beside a sparse voxel octree (HHZ14, Table 1)",
+    summary: "build and traces of mirrored, refracted and shadow rays beside a sparse voxel octree and depth images (HHZ14, Table 1)",
     published: &["hhz14-table1"],
     scenes: OF_TABLE_1,
     rays: "specular,refraction,visibility",
@@ -23,8 +27,10 @@ const TABLE1: Experiment = Experiment {
     steps: &[at(
         1.0,
         &[
-            abuffer(&[("abuffer", &["1024"]), ("grid", &["64"])]),
+            abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), BOTH]),
             octree(&[("levels", &["10"]), ("traversal", &["restart", "stack"])]),
+            peer(wkp15::DDA),
+            peer("height-field"),
         ],
     )],
     launch: true,
@@ -35,6 +41,8 @@ const TABLE1: Experiment = Experiment {
         "A-buffers are 1024 square, as finely divided as the octree's ten levels, which is what the text sets against one another; the \
          table itself may have the paper's usual 1280.",
         "The octree is built from below on the device; how the paper builds its own is not stated.",
+        "The paper sets no method over depth images into this table. Two stand here for the solutions by rasterization that it says it \
+         does better than.",
     ],
     ..Experiment::DEFAULT
 };
@@ -59,20 +67,24 @@ const FIGURE6: Experiment = Experiment {
     ..Experiment::DEFAULT
 };
 
-const PLAIN: &[ExperimentRow] = &[abuffer(&[])];
+const SAMPLED: &[ExperimentRow] = &[abuffer(&[BOTH])];
 
 /// Figure 7.
 const FIGURE7: Experiment = Experiment {
     name: "hhz14-figure7",
-    summary: "the time of a ray of ambient occlusion, over the number of rays (HHZ14, Figure 7)",
+    summary: "the time of a sample of a pixel's hemisphere, over the number of samples (HHZ14, Figure 7)",
     published: &["hhz14-figure7"],
     scenes: OF_FIGURE_6,
-    rays: "ao",
-    steps: &[at(0.5, PLAIN), at(1.0, PLAIN), at(2.0, PLAIN)],
+    rays: SAMPLES,
+    steps: &[
+        of_rays(&[("pixel_random_count", "1")], SAMPLED),
+        of_rays(&[("pixel_random_count", "4")], SAMPLED),
+        of_rays(&[("pixel_random_count", "16")], SAMPLED),
+    ],
     sections: &[sections::a_ray],
     notes: &[
-        "Rays of twice the image's edge are four times as many. A-buffers and grid follow the resolution, too, as `auto` does: the time of \
-         a ray is that in a structure of twice the edge. `--size 800x600` has the paper's pixels.",
+        "The ray set of ambient occlusion has one ray a pixel. So the samples are rays over the whole hemisphere, to their nearest hit, in \
+         the same grid and images. `--size 800x600` has the paper's pixels.",
     ],
     ..Experiment::DEFAULT
 };
@@ -89,8 +101,8 @@ const FIGURE9: Experiment = Experiment {
     steps: &[at(
         1.0,
         &[
-            abuffer(&[]),
-            abuffer(&[("abuffer", &["1024"])]),
+            abuffer(&[BOTH]),
+            abuffer(&[("abuffer", &["1024"]), BOTH]),
             abuffer(&[("structure", &["voxels-only"]), ("grid", GRIDS)]),
         ],
     )],
@@ -109,7 +121,7 @@ const FIGURE11: Experiment = Experiment {
     published: &["hhz14-figure11"],
     scenes: &[stands_for("atrium", "Sponza")],
     rays: "diffuse,bounce2",
-    steps: &[at(1.0, &[abuffer(&[("grid", &["256", "64"])])])],
+    steps: &[at(1.0, &[abuffer(&[("grid", &["256", "64"]), BOTH])])],
     sections: &[|page| beside(page, ABUFFER)],
     notes: &["The paper does not say how many rays its paths have, so that its times stand beside nothing here."],
     ..Experiment::DEFAULT
@@ -130,12 +142,32 @@ const TEXT: Experiment = Experiment {
         1.0,
         &[
             abuffer(&[("abuffer", &["1024", "512", "2048"]), ("grid", &["64"]), ("search", SEARCHES)]),
-            abuffer(&[("grid", &["0", "32", "128", "256"])]),
+            abuffer(&[("grid", &["0", "32", "128", "256"]), BOTH]),
         ],
     )],
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "A grid of 0 is the one by the paper's rule. The second part has A-buffers of two and a half faces, as published: 1280 square where a face has 512 pixels.",
     ],
+    ..Experiment::DEFAULT
+};
+
+/// What the text states of large and deep scenes.
+const SCENES: Experiment = Experiment {
+    name: "hhz14-scenes",
+    summary: "bytes and traces over scenes of many and few triangles and layers (HHZ14, sections 5.3 and 6)",
+    scenes: &[
+        stands_for("room", "a scene"),
+        stands_for("solids", "a scene"),
+        stands_for("cloth", "a scene"),
+        stands_for("hangar", "a scene"),
+        stands_for("candy", "a scene"),
+        stands_for("atrium", "a scene"),
+        stands_for("foliage", "a scene"),
+        stands_for("smithy", "a scene"),
+    ],
+    rays: "diffuse",
+    steps: &[at(1.0, &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), BOTH])])],
+    sections: &[sections::ranks],
     ..Experiment::DEFAULT
 };

@@ -7,7 +7,7 @@ mod sections;
 mod tests;
 
 use super::experiment::Values;
-use super::{Experiment, ExperimentRow, Paper, Part, SceneRows, Step};
+use super::{Experiment, ExperimentRow, Paper, Part, SceneRows};
 use crate::plan::TracerRequest;
 use crate::results::Row;
 
@@ -15,7 +15,11 @@ use crate::results::Row;
 pub(super) const PAPER: Paper = Paper {
     name: "hhz14",
     experiments: experiments::EXPERIMENTS,
-    part: Part { rays: &["specular", "refraction", "visibility", "ao", "diffuse"], step, row: in_part },
+    part: Part {
+        rays: &["specular", "refraction", "visibility", "ao", "diffuse", SAMPLES],
+        step: |_| true,
+        row: in_part,
+    },
     at_paper: None,
     published: include_str!("published.json"),
     claims_table: "hhz14-claims",
@@ -41,6 +45,9 @@ pub(super) const ABUFFER: &str = "voxel-abuffer";
 /// The peer of its Table 1.
 const OCTREE: &str = "voxel-octree";
 
+/// Rays of which a pixel has several.
+const SAMPLES: &str = "pixel-random";
+
 /// Its tracer with every combination of values.
 const fn abuffer(values: Values) -> ExperimentRow {
     ExperimentRow { tracer: ABUFFER, values }
@@ -56,17 +63,13 @@ fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a Row> {
     scene.like_first(ABUFFER, values)
 }
 
-fn step(step: &Step) -> bool {
-    step.resolution == 1.0
-}
-
 /// The bench takes Table 1 by buffers and a ray a lane, one walk of the octree, and one grid of voxels alone.
 fn in_part(experiment: &Experiment, request: &TracerRequest) -> bool {
     let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
     match experiment.name {
         "hhz14-table1" => {
             [value("memory_access"), value("rays_per_lane")] == ["buffer", "1"]
-                && (request.name() == ABUFFER || value("traversal") == "stack")
+                && (request.name() != OCTREE || value("traversal") == "stack")
         }
         "hhz14-figure9" => value("abuffer") == "0" && ["0", "128"].contains(&&*value("grid")),
         _ => true,

@@ -1,9 +1,11 @@
 //! What pages of HHZ14's tables and figures show before their rows.
 
-use super::OCTREE;
 use super::quantities::octree::{FRAME, pair};
+use super::quantities::scenes::RANKS;
+use super::{OCTREE, SAMPLES};
 use crate::papers::page::Page;
 use crate::papers::page::measured::{TIMES, TableRow, ms_of, of_rows, over, time_of};
+use crate::papers::quantity::rank_chance;
 use crate::papers::rows::trace;
 use crate::report::document::Document;
 use crate::report::sheet::{Cell, Column, Sheet};
@@ -12,7 +14,7 @@ use crate::results::{Row, TraceRecord, host_ms};
 /// Table 1: what the octree takes over what the A-buffers take, beside the same of the paper.
 pub(super) fn octree(page: &Page<'_>) -> Document {
     // With the first of the A-buffers in its scene.
-    let rows: Vec<_> = page.all().filter_map(|row| Some((row, pair(row.0)?[1]))).collect();
+    let rows: Vec<_> = page.all().filter_map(|row| Some((row, pair(row.0, "dda2d")?[1]))).collect();
     let build = |row: &Row| host_ms(row.build.steady());
     let traces = |row: &Row| ms_of(row, &FRAME);
     // Without an accuracy there is no time of a frame.
@@ -36,22 +38,39 @@ pub(super) fn octree(page: &Page<'_>) -> Document {
     Document::of(format!("{TIMES} A frame is mirrored, refracted and shadow rays once each.")).table(sheet.table(&rows))
 }
 
-/// Figure 7: the time of a ray a pixel, over the number of rays.
+/// Figure 7: the time of a sample a pixel, over the number of samples.
 pub(super) fn a_ray(page: &Page<'_>) -> Document {
     let printed = page.printed().and_then(|table| table.rows.as_ref()?.first()?.values.first().copied()?);
     let rows = page.rows.scenes.iter().flat_map(|scene| scene.by_resolution()).flat_map(|scene| scene.rows);
-    let rows: Vec<(&Row, &TraceRecord)> = rows.filter_map(|row| Some((row, trace(row, "ao")?))).collect();
+    let rows: Vec<(&Row, &TraceRecord)> = rows.filter_map(|row| Some((row, trace(row, SAMPLES)?))).collect();
     let times = |rays: f64| {
-        move |(row, trace): &(&Row, &TraceRecord)| ms_of(row, &["ao"]).map(|ms| ms / trace.count.max(1) as f64 * rays)
+        move |(row, trace): &(&Row, &TraceRecord)| {
+            ms_of(row, &[SAMPLES]).map(|ms| ms / trace.count.max(1) as f64 * rays)
+        }
     };
     let sheet = Sheet::<(&Row, &TraceRecord)>::new()
         .column("scene", |(row, _)| Cell::Name(row.scene.name.clone()))
         .column("tracer", |(row, _)| row.label())
         .column("rays", |(_, trace)| trace.count)
-        .column("all rays (ms) ↓", |(row, _)| time_of(row, &["ao"]))
+        .column("all rays (ms) ↓", |(row, _)| time_of(row, &[SAMPLES]))
         .column("a million rays (ms) ↓", times(1e6))
         .column("a ray a pixel of 800x600 (ms) ↓", times(800.0 * 600.0))
         .column("published (ms)", |_| Cell::number(printed, 3));
     Document::of(format!("{TIMES} The published time is of its own hardware and stands beside no time here."))
         .table(sheet.table(&rows))
+}
+
+/// Orders of scenes, with how often chance makes one as strong.
+pub(super) fn ranks(page: &Page<'_>) -> Document {
+    let scenes = page.rows.scenes.len();
+    let found = |name: &str| page.paper.quantity(name)?.values(page.rows).pop().map(|of| of.found.value);
+    let sheet = Sheet::<&str>::new()
+        .column("order", |name| Cell::Name((*name).to_owned()))
+        .column("scenes", move |_| scenes as u64)
+        .column("rank correlation", move |name| Cell::number(found(name), 3))
+        .column("exact p", move |name| Cell::number(found(name).map(|rank| rank_chance(scenes, rank)), 3));
+    Document::of(
+        "Kendall's rank correlations over the scenes, and how often as strong a one comes by chance.".to_owned(),
+    )
+    .table(sheet.table(&RANKS))
 }

@@ -1,47 +1,70 @@
-//! Table 1: beside the sparse voxel octree.
+//! Table 1: beside the sparse voxel octree, and beside methods over depth images.
 
+use itertools::Itertools as _;
+
+use super::search::accuracy;
 use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, OCTREE};
-use crate::papers::quantity::{Quantity, of_scene, timed_of_scene};
-use crate::papers::rows::{SceneRows, footprint, trace};
+use crate::papers::quantity::{Quantity, greatest, least, of_scene, timed_of_scene};
+use crate::papers::rows::{SceneRows, trace};
 use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("octree_build_over_abuffer", "", build),
-    timed_of_scene("octree_trace_over_abuffer", "", traced),
-    timed_of_scene("octree_total_over_abuffer", "", total),
-    of_scene("refraction_agreement_less_specular", "", refraction_less_specular),
+    timed_of_scene("octree_trace_over_abuffer", "", |scene| traced(scene, "dda2d")),
+    timed_of_scene("octree_trace_over_three_step", "", |scene| traced(scene, "three-step")),
+    timed_of_scene("octree_total_over_abuffer", "", |scene| total(scene, "dda2d")),
+    timed_of_scene("octree_total_over_three_step", "", |scene| total(scene, "three-step")),
+    of_scene("accuracy_over_depth_images", "", accuracy_over_depth_images),
+    timed_of_scene("speed_over_depth_images", "", speed_over_depth_images),
 ];
 
 /// The rays of a frame.
 pub(in crate::papers::hhz14) const FRAME: [&str; 3] = ["specular", "refraction", "visibility"];
 
-/// The first row of either.
-pub(in crate::papers::hhz14) fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a Row; 2]> {
-    Some([scene.like_first(OCTREE, &[])?, scene.like_first(ABUFFER, &[])?])
+/// The first row of either, that of the A-buffers by a search.
+pub(in crate::papers::hhz14) fn pair<'a>(scene: &SceneRows<'a>, search: &str) -> Option<[&'a Row; 2]> {
+    Some([scene.like_first(OCTREE, &[])?, scene.like_first(ABUFFER, &[("search", search)])?])
 }
 
 /// How many times as long the octree's build takes.
 fn build(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let [octree, abuffer] = pair(scene)?;
+    let [octree, abuffer] = pair(scene, "dda2d")?;
     scene.build_ratio(octree, abuffer)
 }
 
 /// How many times as long all rays of a frame take in the octree, by the quicker of its walks.
-fn traced(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let [_, abuffer] = pair(scene)?;
+fn traced(scene: &SceneRows<'_>, search: &str) -> Option<Estimate> {
+    let [_, abuffer] = pair(scene, search)?;
     let walks = ["restart", "stack"].map(|walk| scene.like_first(OCTREE, &[("traversal", walk)]));
     Estimate::least(walks.into_iter().flatten().filter_map(|octree| scene.traces_ratio(octree, abuffer, &FRAME)))
 }
 
 /// The same with the build.
-fn total(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let [octree, abuffer] = pair(scene)?;
+fn total(scene: &SceneRows<'_>, search: &str) -> Option<Estimate> {
+    let [octree, abuffer] = pair(scene, search)?;
     scene.total_ratio(octree, abuffer, &FRAME.map(|rays| (rays, 1.0)))
 }
 
-/// Footprint agreement of rays that start in solids less that of rays that start outside.
-fn refraction_less_specular(scene: &SceneRows<'_>) -> Option<f64> {
-    let [_, abuffer] = pair(scene)?;
-    Some(footprint(trace(abuffer, "refraction")?)? - footprint(trace(abuffer, "specular")?)?)
+/// The A-buffers in three steps, and the first row of every method over the depth images of a view.
+fn beside_depth_images<'a>(scene: &SceneRows<'a>) -> Option<(&'a Row, Vec<&'a Row>)> {
+    let abuffer = scene.like_first(ABUFFER, &[("search", "three-step")])?;
+    let others = scene.rows.iter().copied().filter(|row| ![ABUFFER, OCTREE].contains(&row.tracer.name.as_str()));
+    Some((abuffer, others.unique_by(|row| &row.tracer.name).collect()))
+}
+
+/// Accuracy over the best of depth images, of the ray set where that is least.
+fn accuracy_over_depth_images(scene: &SceneRows<'_>) -> Option<f64> {
+    let (abuffer, others) = beside_depth_images(scene)?;
+    let over = |rays: &str| {
+        let best = greatest(others.iter().filter_map(|row| accuracy(trace(row, rays)?)))?;
+        Some(accuracy(trace(abuffer, rays)?)? / best)
+    };
+    least(FRAME.map(over).into_iter().collect::<Option<Vec<_>>>()?)
+}
+
+/// Time of all rays of a frame in the quickest of depth images over that in the A-buffers.
+fn speed_over_depth_images(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let (abuffer, others) = beside_depth_images(scene)?;
+    Estimate::least(others.into_iter().filter_map(|row| scene.traces_ratio(row, abuffer, &FRAME)))
 }

@@ -1,49 +1,71 @@
-//! Figures 6 and 7: searches, and the time of a ray.
+//! Figure 6: searches, beside one another and beside triangles.
 
-use super::{COMPARISONS, VOXELS};
+use super::{COMPARISONS, VOXELS, footprint_but_starts};
 use crate::papers::estimate::Estimate;
-use crate::papers::hhz14::{ABUFFER, row};
-use crate::papers::quantity::{IN_A_MILLION, Quantity, greatest, least, of_scene, timed_of_scene};
-use crate::papers::rows::{SceneRows, agreement, beyond, footprint, integer, passed, per_ray, trace};
-use crate::results::Row;
+use crate::papers::hhz14::row;
+use crate::papers::quantity::{Quantity, greatest, least, of_scene, timed_of_scene};
+use crate::papers::rows::{SceneRows, agreement, footprint, integer, passed, per_ray, trace};
+use crate::results::{Row, TraceRecord};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("min_footprint_agreement", "", min_footprint_agreement),
-    of_scene("three_step_agreement_change", "", three_step_agreement_change),
-    of_scene("one_step_ao_change", "", one_step_ao_change),
-    of_scene("one_step_passed_beyond", IN_A_MILLION, one_step_passed_beyond),
+    of_scene("min_footprint_agreement", "", |scene| min_agreement(scene, footprint)),
+    of_scene("min_agreement_but_starts", "", |scene| min_agreement(scene, footprint_but_starts)),
+    of_scene("refraction_agreement_less_specular", "", |scene| refraction_less_specular(scene, footprint)),
+    of_scene("refraction_less_specular_but_starts", "", |scene| refraction_less_specular(scene, footprint_but_starts)),
+    of_scene("three_step_specular_change", "", |scene| change(scene, "three-step", "specular")),
+    of_scene("three_step_refraction_change", "", |scene| change(scene, "three-step", "refraction")),
+    of_scene("three_step_visibility_change", "", |scene| change(scene, "three-step", "visibility")),
+    of_scene("three_step_ao_change", "", |scene| change(scene, "three-step", "ao")),
+    of_scene("one_step_ao_change", "", |scene| change(scene, "one-step", "ao")),
+    of_scene("one_step_passed_voxels", "", one_step_passed_voxels),
     timed_of_scene("min_gain_of_fewer_steps", "", min_gain_of_fewer_steps),
-    of_scene("voxels_visited_over_grid", "", voxels_visited_over_grid),
-    timed_of_scene("time_over_rays_exponent", "", time_over_rays_exponent),
-    timed_of_scene("step_search_time_over_abuffer", "", step_search_time_over_abuffer),
-    of_scene("dda_comparisons_over_abuffer", "", dda_comparisons_over_abuffer),
-    of_scene("coarse_abuffer_passed_beyond", IN_A_MILLION, coarse_abuffer_passed_beyond),
+    of_scene("comparisons_saved_by_three_step", "", comparisons_saved_by_three_step),
+    of_scene("comparisons_a_search_over_edge", "", comparisons_a_search_over_edge),
+    of_scene("steps_over_comparisons", "", |scene| steps_over_comparisons(scene, "dda2d")),
+    of_scene("steps_over_three_step_comparisons", "", |scene| steps_over_comparisons(scene, "three-step")),
 ];
 
 fn with<'a>(scene: &SceneRows<'a>, search: &str) -> Option<&'a Row> {
     row(scene, &[("search", search)])
 }
 
-/// The least footprint agreement of the search in every texel over closest-hit sets.
-fn min_footprint_agreement(scene: &SceneRows<'_>) -> Option<f64> {
-    least(with(scene, "dda2d")?.traces.iter().filter_map(footprint))
+/// Footprint agreement, of any-hit rays balanced accuracy.
+pub(super) fn accuracy(trace: &TraceRecord) -> Option<f64> {
+    footprint(trace).or_else(|| agreement(trace))
 }
 
-/// Footprint agreement in three steps less that in every texel, of the closest-hit set that loses most.
-fn three_step_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
-    let (three, all) = (with(scene, "three-step")?, with(scene, "dda2d")?);
-    least(all.traces.iter().filter_map(|own| Some(footprint(trace(three, &own.rays)?)? - footprint(own)?)))
+/// The least agreement of the search in every texel over closest-hit sets.
+fn min_agreement(scene: &SceneRows<'_>, of: fn(&TraceRecord) -> Option<f64>) -> Option<f64> {
+    least(with(scene, "dda2d")?.traces.iter().filter_map(of))
 }
 
-/// Balanced accuracy of ambient occlusion in one step less that in every texel.
-fn one_step_ao_change(scene: &SceneRows<'_>) -> Option<f64> {
-    let [one, all] = ["one-step", "dda2d"].map(|search| agreement(trace(with(scene, search)?, "ao")?));
-    Some(one? - all?)
+/// Agreement of rays that start in solids less that of mirrored rays, which mostly start outside.
+fn refraction_less_specular(scene: &SceneRows<'_>, of: fn(&TraceRecord) -> Option<f64>) -> Option<f64> {
+    let row = with(scene, "dda2d")?;
+    Some(of(trace(row, "refraction")?)? - of(trace(row, "specular")?)?)
 }
 
-/// Rays in a million that pass their true hit in one step beyond those that do in every texel.
-fn one_step_passed_beyond(scene: &SceneRows<'_>) -> Option<f64> {
-    beyond(with(scene, "one-step")?, with(scene, "dda2d")?, passed)
+/// The accuracy of a search less that of the one in every texel.
+fn change(scene: &SceneRows<'_>, search: &str, rays: &str) -> Option<f64> {
+    let [own, all] = [search, "dda2d"].map(|search| accuracy(trace(with(scene, search)?, rays)?));
+    Some(own? - all?)
+}
+
+fn total(trace: &TraceRecord, counter: &str) -> Option<f64> {
+    Some(trace.counters.get(counter)?.total as f64)
+}
+
+/// Of the voxels with anything that rays leave on the side on which they entered, by one step, the share in which a ray passes its true
+/// hit: rays that do so beyond those that do in every texel, over voxels that ended none.
+fn one_step_passed_voxels(scene: &SceneRows<'_>) -> Option<f64> {
+    let (one, all) = (with(scene, "one-step")?, with(scene, "dda2d")?);
+    let mut sums = [0.0; 2];
+    for own in &one.traces {
+        let Some((here, there)) = passed(own).zip(trace(all, &own.rays).and_then(passed)) else { continue };
+        let ended = own.statuses.get("hit").copied().unwrap_or(0) as f64;
+        sums = [sums[0] + here[1] as f64 - there[1] as f64, sums[1] + total(own, "voxels_opened")? - ended];
+    }
+    (sums[1] > 0.0).then(|| sums[0] / sums[1])
 }
 
 /// Time in every texel over that in three steps, and in three over that in one, mean over the ray sets: the less of the two.
@@ -57,47 +79,25 @@ fn min_gain_of_fewer_steps(scene: &SceneRows<'_>) -> Option<Estimate> {
     Estimate::least(gains.into_iter().collect::<Option<Vec<_>>>()?)
 }
 
-/// Voxels that a ray goes through over those along the grid's edge, of the ray set with the most.
-fn voxels_visited_over_grid(scene: &SceneRows<'_>) -> Option<f64> {
+/// Comparisons of all rays in every texel over those in three steps.
+fn comparisons_saved_by_three_step(scene: &SceneRows<'_>) -> Option<f64> {
+    let [all, three] = ["dda2d", "three-step"].map(|search| {
+        let row = with(scene, search)?;
+        row.traces.iter().map(|trace| total(trace, COMPARISONS)).sum::<Option<f64>>()
+    });
+    three.filter(|three| *three > 0.0).and_then(|three| Some(all? / three))
+}
+
+/// Comparisons of a search in every texel of its voxel over the texels along an image's edge, of the ray set with the most.
+fn comparisons_a_search_over_edge(scene: &SceneRows<'_>) -> Option<f64> {
     let row = with(scene, "dda2d")?;
-    let edge = integer(row, "grid")? as f64;
-    greatest(row.traces.iter().map(|trace| per_ray(trace, VOXELS)).collect::<Option<Vec<_>>>()?).map(|most| most / edge)
+    let edge = integer(row, "abuffer")? as f64;
+    let of = |trace| Some(per_ray(trace, COMPARISONS)? / per_ray(trace, "searches")? / edge);
+    greatest(row.traces.iter().map(of).collect::<Option<Vec<_>>>()?)
 }
 
-/// The exponent by which time grows with the number of rays, from the fewest to the most.
-fn time_over_rays_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let all = scene.by_resolution();
-    let [few, many] = [all.first()?, all.last()?].map(|at| at.of_tracer(ABUFFER).next());
-    let (few, many) = (few?, many?);
-    let rays = trace(many, "ao")?.count as f64 / trace(few, "ao")?.count as f64;
-    (rays > 1.0).then(|| Some(scene.trace_ratio(many, few, "ao")?.rising(f64::ln) / rays.ln()))?
-}
-
-const FINE: &str = "2048";
-const COARSE: &str = "512";
-
-fn finer_over_coarser<'a>(scene: &SceneRows<'a>, search: &str) -> Option<[&'a Row; 2]> {
-    let [fine, coarse] = [FINE, COARSE].map(|edge| row(scene, &[("abuffer", edge), ("search", search)]));
-    Some([fine?, coarse?])
-}
-
-/// Time of diffuse rays in A-buffers of 2048 over that in those of 512, the larger of three steps and of one.
-fn step_search_time_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let ratio = |search: &str| {
-        let [fine, coarse] = finer_over_coarser(scene, search)?;
-        scene.trace_ratio(fine, coarse, "diffuse")
-    };
-    Estimate::greatest(["three-step", "one-step"].map(ratio).into_iter().collect::<Option<Vec<_>>>()?)
-}
-
-/// Depths that a diffuse ray compares in A-buffers of 2048 over those in 512, where it does so in every texel on its way.
-fn dda_comparisons_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
-    let [fine, coarse] = finer_over_coarser(scene, "dda2d")?.map(|row| per_ray(trace(row, "diffuse")?, COMPARISONS));
-    coarse.filter(|comparisons| *comparisons > 0.0).and_then(|coarse| Some(fine? / coarse))
-}
-
-/// Rays in a million that pass their true hit in A-buffers of 512 beyond those that do in 2048.
-fn coarse_abuffer_passed_beyond(scene: &SceneRows<'_>) -> Option<f64> {
-    let [fine, coarse] = finer_over_coarser(scene, "dda2d")?;
-    beyond(coarse, fine, passed)
+/// Voxels that a ray goes through over its comparisons, of the ray set with the most.
+fn steps_over_comparisons(scene: &SceneRows<'_>, search: &str) -> Option<f64> {
+    let of = |trace| Some(per_ray(trace, VOXELS)? / per_ray(trace, COMPARISONS)?);
+    greatest(with(scene, search)?.traces.iter().map(of).collect::<Option<Vec<_>>>()?)
 }

@@ -1,7 +1,8 @@
 //! Pages of HHZ14's tables: what stands on them, and that no time stands there without its accuracy.
 
-use super::table_1;
+use super::{scenes, table_1};
 use crate::papers::fixture::{page_of, run_of, take_judgements};
+use crate::papers::hhz14::SAMPLES;
 use crate::papers::{find, report};
 
 /// Table 1 sets ratios beside the paper's, of the octree's rows alone, and of scenes that stand for the paper's.
@@ -14,7 +15,7 @@ fn table_1_stands_beside_the_papers() {
         assert!(page.contains(part), "no '{part}' in {page}");
     }
     let own: Vec<&str> = page.lines().filter(|line| line.starts_with("| solids | voxel-abuffer ")).collect();
-    assert!(own.len() == 1 && own[0].ends_with("| – | – | – |"), "{own:?}");
+    assert!(own.len() == 2 && own.iter().all(|row| row.ends_with("| – | – | – |")), "{own:?}");
     record.rows.iter_mut().for_each(|one| "barn".clone_into(&mut one.scene.name));
     assert!(!page_of("hhz14-table1", &record).contains("| 3.30 | 9.15 | 4.94 |"));
 }
@@ -22,9 +23,10 @@ fn table_1_stands_beside_the_papers() {
 /// No page tells a trace's time where the rays could not be judged.
 #[test]
 fn no_time_without_accuracy() {
-    for (name, rays) in [("hhz14-table1", "visibility"), ("hhz14-figure6", "ao"), ("hhz14-figure7", "ao")] {
+    for (name, rays) in [("hhz14-table1", "visibility"), ("hhz14-figure6", "ao"), ("hhz14-figure7", SAMPLES)] {
         let mut record = run_of(table_1("solids"));
         for one in &mut record.rows {
+            one.traces[2].rays = SAMPLES.to_owned();
             one.traces.retain(|trace| name == "hhz14-table1" || trace.rays == rays);
             one.traces.iter_mut().for_each(|trace| trace.times.submit_to_done_median_ms = Some(77.25));
         }
@@ -41,9 +43,20 @@ fn no_time_without_accuracy() {
 #[test]
 fn pages_are_made_of_any_run() {
     let record = run_of(table_1("atrium"));
-    for name in ["hhz14-figure6", "hhz14-figure7", "hhz14-figure9", "hhz14-figure11", "hhz14-text"] {
+    for name in ["hhz14-figure6", "hhz14-figure7", "hhz14-figure9", "hhz14-figure11", "hhz14-text", "hhz14-scenes"] {
         let (paper, experiment) = find(name).unwrap();
         let made = report(paper, experiment, &record).unwrap().contents().unwrap();
         assert!(made.iter().any(|(file, _)| file.ends_with(".md")), "{name}");
     }
+}
+
+/// Orders of scenes stand with how often chance makes one as strong.
+#[test]
+fn orders_stand_with_their_chance() {
+    let of: Vec<_> = (1..=6).map(|each| (1000 * each, each as f64, 2 * each, 3.0)).collect();
+    let page = page_of("hhz14-scenes", &scenes(&of));
+    // Two of 720 orders: all pairs in order, and none.
+    let row = "| rank_of_bytes_by_triangles | 6 | 1.00 | 0.00278 |";
+    assert!(page.contains(row), "no '{row}' in {page}");
+    assert!(!page_of("hhz14-scenes", &scenes(&of[..5])).contains("0.00278"));
 }
