@@ -20,18 +20,27 @@ pub struct Estimate {
     pub at_launch_settings: bool,
     /// What keeps anything from being said by it.
     pub doubts: BTreeSet<String>,
+    /// What stands beside it, in words.
+    pub note: Option<String>,
 }
 
 impl From<f64> for Estimate {
     fn from(value: f64) -> Self {
-        Self { value, interval: [value; 2], timed: false, at_launch_settings: false, doubts: BTreeSet::new() }
+        Self {
+            value,
+            interval: [value; 2],
+            timed: false,
+            at_launch_settings: false,
+            doubts: BTreeSet::new(),
+            note: None,
+        }
     }
 }
 
 impl Estimate {
     /// Of a time.
     pub(super) fn timed(value: f64, interval: [f64; 2], doubts: impl IntoIterator<Item = String>) -> Self {
-        Self { value, interval, timed: true, at_launch_settings: false, doubts: doubts.into_iter().collect() }
+        Self { timed: true, interval, doubts: doubts.into_iter().collect(), ..Self::from(value) }
     }
 
     /// Something that rises with it.
@@ -65,6 +74,7 @@ impl Estimate {
             timed: self.timed || other.timed,
             at_launch_settings: self.at_launch_settings || other.at_launch_settings,
             doubts: self.doubts.into_iter().chain(other.doubts).collect(),
+            note: None,
         }
     }
 
@@ -75,15 +85,8 @@ impl Estimate {
             timed: one.timed || other.timed,
             at_launch_settings: one.at_launch_settings || other.at_launch_settings,
             doubts: one.doubts.into_iter().chain(other.doubts).collect(),
+            note: None,
         })
-    }
-
-    /// What is found in several ways, none of none: their median, that lies wherever any of them does.
-    pub(super) fn spanning(all: Vec<Self>) -> Option<Self> {
-        let values: Vec<f64> = all.iter().map(|each| each.value).filter(|value| value.is_finite()).collect();
-        let own = all.first()?.clone();
-        let spread = Self { at_launch_settings: own.at_launch_settings, ..own.spread_over(all) };
-        (!values.is_empty()).then(|| Self { value: crate::statistics::median(&values), ..spread })
     }
 
     /// The largest, none of none.

@@ -114,15 +114,11 @@ pub(super) fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
 /// How often a rank correlation of so many pairs is as strong as this, either way, where the one says nothing of the other: exact, by
 /// counting the orders with as many pairs out of order.
 pub(super) fn rank_chance(count: usize, rank: f64) -> f64 {
-    // Shares of the orders, by their pairs out of order.
-    let mut shares = vec![1.0];
-    for placed in 1..count {
-        let mut next = vec![0.0; shares.len() + placed];
-        for (pairs, share) in shares.iter().enumerate() {
-            next[pairs..=pairs + placed].iter_mut().for_each(|sum| *sum += share / (placed + 1) as f64);
-        }
-        shares = next;
-    }
+    // Shares of the orders, by their pairs out of order: who is placed next may be so with none up to all before.
+    let shares = (1..count).fold(vec![1.0], |shares, placed| {
+        let share = |pairs: usize| shares.iter().take(pairs + 1).skip(pairs.saturating_sub(placed)).sum::<f64>();
+        (0..shares.len() + placed).map(|pairs| share(pairs) / (placed + 1) as f64).collect()
+    });
     let most = (shares.len() - 1) as f64;
     let strong = |pairs: usize| most * rank.abs() <= (most - 2.0 * pairs as f64).abs() + 1e-9;
     shares.iter().enumerate().filter(|(pairs, _)| strong(*pairs)).map(|(_, share)| share).sum()

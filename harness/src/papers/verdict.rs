@@ -1,5 +1,6 @@
 //! Verdicts on claims: the quantity of a run compared with the rule of the claim.
 
+use itertools::Itertools as _;
 use serde::Serialize;
 
 use super::claims::{Claim, Decision, Rule, Test};
@@ -59,7 +60,8 @@ pub struct SceneValue {
 impl From<&OfScene> for SceneValue {
     fn from(of: &OfScene) -> Self {
         let OfScene { scene, found } = of;
-        Self { scene: scene.clone(), value: found.value, interval: found.timed.then_some(found.interval) }
+        let scene = found.note.as_ref().map_or_else(|| scene.clone(), |note| format!("{scene} ({note})"));
+        Self { scene, value: found.value, interval: found.timed.then_some(found.interval) }
     }
 }
 
@@ -137,14 +139,14 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
     // What stands for nothing decides nothing, and is shown all the same.
     let shown = if about.scenes.is_empty() { rows } else { &about };
     let readings: Vec<_> = quantities.into_iter().map(|quantity| (quantity, quantity.values(shown))).collect();
-    let lacking = readings.iter().find(|(_, found)| found.is_empty());
+    let lacking = readings.iter().find(|(_, found)| found.is_empty()).map(|(quantity, _)| quantity.name);
     let (verdict, reason) = match () {
         () if about.scenes.is_empty() => {
             let of = if scenes.is_empty() { "any of the paper's".to_owned() } else { scenes.join(" or ") };
             (Verdict::NotMeasured, Some(format!("the record has no scene that stands for {of}")))
         }
         () if lacking.is_some() => {
-            let name = lacking.map_or("it", |(quantity, _)| quantity.name);
+            let name = lacking.unwrap_or_default();
             (Verdict::NotMeasured, Some(format!("the record has no scene with the rows of {table} that {name} takes")))
         }
         () if claim.needs_hardware_raster && !on_hardware(rows.record) => {
@@ -181,12 +183,11 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
 /// What every reading says: undecided with all that they say where it is not the same.
 fn agreed(rule: &Rule, readings: &[(&Quantity, Vec<OfScene>)]) -> (Verdict, Option<String>) {
     let each: Vec<_> = readings.iter().map(|(_, found)| decided(rule, found)).collect();
-    let (first, rest) = (&each[0], &each[1..]);
-    if rest.iter().all(|other| other == first) {
-        return first.clone();
+    if each.iter().all_equal() {
+        return each[0].clone();
     }
-    let said = readings.iter().zip(&each).map(|((quantity, _), (verdict, reason))| {
-        let reason = reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
+    let said = readings.iter().zip(each).map(|((quantity, _), (verdict, reason))| {
+        let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         format!("by {} {}{reason}", quantity.name, verdict.name())
     });
     (Verdict::Undecided, Some(said.collect::<Vec<_>>().join("; ")))

@@ -15,11 +15,7 @@ use crate::results::Row;
 pub(super) const PAPER: Paper = Paper {
     name: "hhz14",
     experiments: experiments::EXPERIMENTS,
-    part: Part {
-        rays: &["specular", "refraction", "visibility", "ao", "diffuse", SAMPLES],
-        step: |_| true,
-        row: in_part,
-    },
+    part: Part { rays: &["specular", "refraction", "visibility", "ao", "diffuse", SAMPLES], step: |_| true, row: part },
     at_paper: None,
     published: include_str!("published.json"),
     claims_table: "hhz14-claims",
@@ -45,6 +41,8 @@ pub(super) const ABUFFER: &str = "voxel-abuffer";
 /// The peer of its Table 1.
 const OCTREE: &str = "voxel-octree";
 
+/// Methods over the depth image of a view.
+const DEPTH_IMAGES: [&str; 2] = ["screen-dda", "height-field"];
 /// Rays of which a pixel has several.
 const SAMPLES: &str = "pixel-random";
 
@@ -64,7 +62,7 @@ fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a Row> {
 }
 
 /// The bench takes Table 1 by buffers and a ray a lane, one walk of the octree, and one grid of voxels alone.
-fn in_part(experiment: &Experiment, request: &TracerRequest) -> bool {
+fn part(experiment: &Experiment, request: &TracerRequest) -> bool {
     let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
     match experiment.name {
         "hhz14-table1" => {

@@ -1,11 +1,9 @@
 //! What pages of HHZ14's tables and figures show before their rows.
 
 use super::quantities::octree::{FRAME, pair};
-use super::quantities::scenes::RANKS;
 use super::{OCTREE, SAMPLES};
 use crate::papers::page::Page;
 use crate::papers::page::measured::{TIMES, TableRow, ms_of, of_rows, over, time_of};
-use crate::papers::quantity::rank_chance;
 use crate::papers::rows::trace;
 use crate::report::document::Document;
 use crate::report::sheet::{Cell, Column, Sheet};
@@ -58,19 +56,4 @@ pub(super) fn a_ray(page: &Page<'_>) -> Document {
         .column("published (ms)", |_| Cell::number(printed, 3));
     Document::of(format!("{TIMES} The published time is of its own hardware and stands beside no time here."))
         .table(sheet.table(&rows))
-}
-
-/// Orders of scenes, with how often chance makes one as strong.
-pub(super) fn ranks(page: &Page<'_>) -> Document {
-    let scenes = page.rows.scenes.len();
-    let found = |name: &str| page.paper.quantity(name)?.values(page.rows).pop().map(|of| of.found.value);
-    let sheet = Sheet::<&str>::new()
-        .column("order", |name| Cell::Name((*name).to_owned()))
-        .column("scenes", move |_| scenes as u64)
-        .column("rank correlation", move |name| Cell::number(found(name), 3))
-        .column("exact p", move |name| Cell::number(found(name).map(|rank| rank_chance(scenes, rank)), 3));
-    Document::of(
-        "Kendall's rank correlations over the scenes, and how often as strong a one comes by chance.".to_owned(),
-    )
-    .table(sheet.table(&RANKS))
 }

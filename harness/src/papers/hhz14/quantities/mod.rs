@@ -1,10 +1,10 @@
 //! What decides HHZ14's claims.
 //!
-//! Where a ray that starts on a surface begins to look is this suite's own, as the paper says nothing of it. So accuracies have a second
-//! reading beside them, in which no ray is wrong that the judge finds wrong for its start ([`by_start`]).
+//! The paper does not say where a ray that starts on a surface begins to look. So accuracies have a second reading, in which no ray is
+//! wrong for its start ([`by_start`]).
 
 pub(super) mod octree;
-pub(super) mod scenes;
+mod scenes;
 mod search;
 mod tables;
 mod voxels;

@@ -1,11 +1,9 @@
 //! Table 1: beside the sparse voxel octree, and beside methods over depth images.
 
-use itertools::Itertools as _;
-
 use super::search::accuracy;
 use crate::papers::estimate::Estimate;
-use crate::papers::hhz14::{ABUFFER, OCTREE};
-use crate::papers::quantity::{Quantity, greatest, least, of_scene, timed_of_scene};
+use crate::papers::hhz14::{ABUFFER, DEPTH_IMAGES, OCTREE};
+use crate::papers::quantity::{Quantity, least, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, trace};
 use crate::results::Row;
 
@@ -46,25 +44,22 @@ fn total(scene: &SceneRows<'_>, search: &str) -> Option<Estimate> {
     scene.total_ratio(octree, abuffer, &FRAME.map(|rays| (rays, 1.0)))
 }
 
-/// The A-buffers in three steps, and the first row of every method over the depth images of a view.
-fn beside_depth_images<'a>(scene: &SceneRows<'a>) -> Option<(&'a Row, Vec<&'a Row>)> {
+/// Of every method over depth images how the A-buffers in three steps compare with it.
+fn beside_depth_images<T>(scene: &SceneRows<'_>, compared: impl Fn(&Row, &Row) -> Option<T>) -> Option<[T; 2]> {
     let abuffer = scene.like_first(ABUFFER, &[("search", "three-step")])?;
-    let others = scene.rows.iter().copied().filter(|row| ![ABUFFER, OCTREE].contains(&row.tracer.name.as_str()));
-    Some((abuffer, others.unique_by(|row| &row.tracer.name).collect()))
+    let [one, other] = DEPTH_IMAGES.map(|tracer| compared(abuffer, scene.like_first(tracer, &[])?));
+    Some([one?, other?])
 }
 
 /// Accuracy over the best of depth images, of the ray set where that is least.
 fn accuracy_over_depth_images(scene: &SceneRows<'_>) -> Option<f64> {
-    let (abuffer, others) = beside_depth_images(scene)?;
-    let over = |rays: &str| {
-        let best = greatest(others.iter().filter_map(|row| accuracy(trace(row, rays)?)))?;
-        Some(accuracy(trace(abuffer, rays)?)? / best)
+    let over = |abuffer: &Row, images: &Row| {
+        least(FRAME.iter().filter_map(|rays| Some(accuracy(trace(abuffer, rays)?)? / accuracy(trace(images, rays)?)?)))
     };
-    least(FRAME.map(over).into_iter().collect::<Option<Vec<_>>>()?)
+    least(beside_depth_images(scene, over)?)
 }
 
 /// Time of all rays of a frame in the quickest of depth images over that in the A-buffers.
 fn speed_over_depth_images(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let (abuffer, others) = beside_depth_images(scene)?;
-    Estimate::least(others.into_iter().filter_map(|row| scene.traces_ratio(row, abuffer, &FRAME)))
+    Estimate::least(beside_depth_images(scene, |abuffer, images| scene.traces_ratio(images, abuffer, &FRAME))?)
 }

@@ -5,22 +5,16 @@ use crate::papers::Scope;
 use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{PAPER, row};
 use crate::papers::quantity::{IN_A_MILLION, Quantity, of_scene, rank_chance, rank_correlation, timed_of_scenes};
-use crate::papers::rows::{MILLION, SceneRows, counted, of_cause, per_ray, share_of_all, statistic, trace};
+use crate::papers::rows::{MILLION, SceneRows, counted, of_cause, share_of_all, statistic, trace};
 use crate::papers::times::{self, traced};
-use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("wrong_axis_rays", IN_A_MILLION, wrong_axis_rays),
     of_scene("wrong_rays", "", |scene| wrong(scene, false)),
     of_scene("wrong_rays_but_starts", "", |scene| wrong(scene, true)),
-    timed_of_scenes(RANKS[0], "", rank_of_bytes_by_triangles),
-    timed_of_scenes(RANKS[1], "", rank_of_layers_compared_by_depth),
-    timed_of_scenes(RANKS[2], "", rank_of_comparison_time_by_depth),
+    timed_of_scenes("rank_of_bytes_by_triangles", "", rank_of_bytes_by_triangles),
+    timed_of_scenes("rank_of_comparison_time_by_layers", "", rank_of_comparison_time_by_layers),
 ];
-
-/// Those that are orders of the scenes.
-pub(in crate::papers::hhz14) const RANKS: [&str; 3] =
-    ["rank_of_bytes_by_triangles", "rank_of_layers_compared_by_depth", "rank_of_comparison_time_by_depth"];
 
 /// Rays in a million that are wrong because of the A-buffer that was searched, which does not resolve what they hit.
 fn wrong_axis_rays(scene: &SceneRows<'_>) -> Option<f64> {
@@ -35,47 +29,32 @@ fn wrong(scene: &SceneRows<'_>, but_starts: bool) -> Option<f64> {
     })
 }
 
-/// Scenes that a rank takes: of fewer hardly any order is more than chance.
-const SCENES: usize = 6;
-/// The chance up to which an order says something.
-const CHANCE: f64 = 0.05;
-
-/// A rank over the scenes, doubted where as strong an order comes by chance; none of too few scenes.
+/// A rank over scenes with how often chance makes one as strong, which is doubted where that is more than one in twenty; none of too few
+/// scenes, of which hardly any order is more than chance.
 fn ranked(scenes: usize, rank: Option<Estimate>) -> Option<Estimate> {
-    let rank = rank.filter(|_| scenes >= SCENES)?;
+    let rank = rank.filter(|_| scenes >= 6)?;
     let chance = rank_chance(scenes, rank.value);
-    Some(if chance > CHANCE { rank.doubted(format!("exact p {chance:.3} over {scenes} scenes")) } else { rank })
-}
-
-fn rank_of(scenes: &[SceneRows<'_>], point: fn(&Row) -> Option<[f64; 2]>) -> Option<Estimate> {
-    let points: Vec<_> = scenes.iter().filter_map(|scene| point(row(scene, &[])?)).collect();
-    ranked(points.len(), rank_correlation(&points).map(Estimate::from))
+    let note = format!("exact p {chance:.4} over {scenes} scenes");
+    let rank = if chance > 0.05 { rank.doubted("it may be chance".to_owned()) } else { rank };
+    Some(Estimate { note: Some(note), ..rank })
 }
 
 /// How bytes are ranked by the triangles over the scenes.
 fn rank_of_bytes_by_triangles(scenes: &[SceneRows<'_>]) -> Option<Estimate> {
-    rank_of(scenes, |row| Some([row.scene.triangles as f64, PAPER.bytes(row, Scope::Structure)?]))
+    let point = |scene: &SceneRows<'_>| {
+        let row = row(scene, &[])?;
+        Some([row.scene.triangles as f64, PAPER.bytes(row, Scope::Structure)?])
+    };
+    let points: Vec<_> = scenes.iter().filter_map(point).collect();
+    ranked(points.len(), rank_correlation(&points).map(Estimate::from))
 }
 
-/// The layers of a covered texel, mean.
-fn depth(row: &Row) -> Option<f64> {
-    statistic(row, "average_layers")
-}
-
-/// How the layers that a comparison of diffuse rays looks at are ranked by the layers of a covered texel over the scenes.
-fn rank_of_layers_compared_by_depth(scenes: &[SceneRows<'_>]) -> Option<Estimate> {
-    rank_of(scenes, |row| {
-        let diffuse = trace(row, "diffuse")?;
-        Some([depth(row)?, per_ray(diffuse, "layers_tested")? / per_ray(diffuse, COMPARISONS)?])
-    })
-}
-
-/// The same of the time of a comparison.
-fn rank_of_comparison_time_by_depth<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
+/// How the time of a comparison of diffuse rays is ranked by the layers of a covered texel over the scenes.
+fn rank_of_comparison_time_by_layers<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let point = |scene: &SceneRows<'a>| {
         let row = row(scene, &[])?;
         let comparisons = trace(row, "diffuse")?.counters.get(COMPARISONS)?.total as f64;
-        Some((depth(row)?, traced(row, "diffuse")?.times(1.0 / comparisons)))
+        Some((statistic(row, "average_layers")?, traced(row, "diffuse")?.times(1.0 / comparisons)))
     };
     let points: Vec<_> = scenes.iter().filter_map(point).collect();
     ranked(points.len(), times::rank_correlation(scenes.first()?.record, &points))

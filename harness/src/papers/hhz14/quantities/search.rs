@@ -81,11 +81,9 @@ fn min_gain_of_fewer_steps(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Comparisons of all rays in every texel over those in three steps.
 fn comparisons_saved_by_three_step(scene: &SceneRows<'_>) -> Option<f64> {
-    let [all, three] = ["dda2d", "three-step"].map(|search| {
-        let row = with(scene, search)?;
-        row.traces.iter().map(|trace| total(trace, COMPARISONS)).sum::<Option<f64>>()
-    });
-    three.filter(|three| *three > 0.0).and_then(|three| Some(all? / three))
+    let of =
+        |search: &str| with(scene, search)?.traces.iter().map(|trace| total(trace, COMPARISONS)).sum::<Option<f64>>();
+    Some(of("dda2d")? / of("three-step")?)
 }
 
 /// Comparisons of a search in every texel of its voxel over the texels along an image's edge, of the ray set with the most.

@@ -7,12 +7,12 @@ use crate::papers::Scope;
 use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, PAPER, row};
 use crate::papers::quantity::{Quantity, of_scene, timed_of_scene};
-use crate::papers::rows::{SceneRows, agreement, per_ray, trace};
+use crate::papers::rows::{SceneRows, per_ray, trace};
 use crate::results::{Judgement, Row};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("voxels_alone_ao_change", "", voxels_alone_ao_change),
-    of_scene("voxels_alone_ao_change_but_starts", "", voxels_alone_ao_change_but_starts),
+    of_scene("voxels_alone_ao_change", "", |scene| ao_change(scene, false)),
+    of_scene("voxels_alone_ao_change_but_starts", "", |scene| ao_change(scene, true)),
     of_scene("voxels_alone_bytes_over_abuffers", "", voxels_alone_bytes_over_abuffers),
     of_scene("abuffer_samples_over_voxels_alone", "", |scene| abuffer_samples(scene, false)),
     of_scene("abuffer_samples_over_voxels_but_starts", "", |scene| abuffer_samples(scene, true)),
@@ -24,48 +24,22 @@ fn voxels<'a>(scene: &SceneRows<'a>, grid: &str) -> Option<&'a Row> {
     scene.find(ABUFFER, &[("structure", "voxels-only"), ("grid", grid)])
 }
 
+/// Of rays of ambient occlusion the shares that are occluded, that are wrongly told to be and that are wrongly told not to be; of these
+/// those for their start aside, where that is wanted.
+fn occlusion(row: &Row, but_starts: bool) -> Option<[f64; 3]> {
+    let trace = trace(row, "ao")?;
+    let Judgement::Any(any) = &trace.judgement else { return None };
+    let told = &any.occlusion;
+    let occluded = told.true_occluded + told.false_free;
+    let lost = told.false_free.saturating_sub(if but_starts { by_start(trace) } else { 0 });
+    let rays = (occluded + told.true_free + told.false_occluded) as f64;
+    Some([occluded, told.false_occluded, lost].map(|count| count as f64 / rays))
+}
+
 /// Balanced accuracy of ambient occlusion in a grid of 512 alone less that with A-buffers.
-fn voxels_alone_ao_change(scene: &SceneRows<'_>) -> Option<f64> {
-    let [alone, both] = [voxels(scene, "512")?, row(scene, &[])?].map(|row| agreement(trace(row, "ao")?));
-    Some(alone? - both?)
-}
-
-/// Rays of ambient occlusion: how many are truly occluded and free, and of these how many are found so.
-struct Occluded {
-    occluded: f64,
-    free: f64,
-    found_occluded: f64,
-    found_free: f64,
-}
-
-impl Occluded {
-    /// Were those found, where that is wanted, that pass what is near their start.
-    fn of(row: &Row, but_starts: bool) -> Option<Self> {
-        let trace = trace(row, "ao")?;
-        let Judgement::Any(any) = &trace.judgement else { return None };
-        let told = &any.occlusion;
-        let aside = if but_starts { by_start(trace).min(told.false_free) } else { 0 };
-        let [occluded, free, found_occluded, found_free] = [
-            told.true_occluded + told.false_free,
-            told.true_free + told.false_occluded,
-            told.true_occluded + aside,
-            told.true_free,
-        ]
-        .map(|rays| rays as f64);
-        (occluded > 0.0 && free > 0.0).then_some(Self { occluded, free, found_occluded, found_free })
-    }
-
-    /// The share that is told to be occluded beyond the one that is.
-    fn bias(&self) -> f64 {
-        (self.free - self.found_free + self.found_occluded - self.occluded) / (self.free + self.occluded)
-    }
-}
-
-/// The same, were no ray of voxels alone wrong for its start.
-fn voxels_alone_ao_change_but_starts(scene: &SceneRows<'_>) -> Option<f64> {
-    let alone = Occluded::of(voxels(scene, "512")?, true)?;
-    let accuracy = f64::midpoint(alone.found_occluded / alone.occluded, alone.found_free / alone.free);
-    Some(accuracy - agreement(trace(row(scene, &[])?, "ao")?)?)
+fn ao_change(scene: &SceneRows<'_>, but_starts: bool) -> Option<f64> {
+    let wrong = |[occluded, invented, lost]: [f64; 3]| f64::midpoint(lost / occluded, invented / (1.0 - occluded));
+    Some(wrong(occlusion(row(scene, &[])?, false)?) - wrong(occlusion(voxels(scene, "512")?, but_starts)?))
 }
 
 /// Bytes of a grid alone of 1280 along an edge, by its cube from those of one of 1024, over those of grid and A-buffers.
@@ -74,15 +48,13 @@ fn voxels_alone_bytes_over_abuffers(scene: &SceneRows<'_>) -> Option<f64> {
     Some(alone? * (1280.0_f64 / 1024.0).powi(3) / both?)
 }
 
-/// The paper's samples a fragment.
-const SAMPLES: f64 = 64.0;
-
-/// Samples that A-buffers take, 64, over those that a grid of 64 alone takes to be off by as much in the mean over the pixels: the bias,
-/// squared, and the variance of as many samples. Not above 0 where no number of them will do.
+/// Samples that A-buffers take, the paper's 64, over those that a grid of 64 alone takes to be off by as much in the mean over the pixels:
+/// the bias, squared, and the variance of as many samples. Not above 0 where no number of them will do.
 fn abuffer_samples(scene: &SceneRows<'_>, but_starts: bool) -> Option<f64> {
-    let (alone, both) = (Occluded::of(voxels(scene, "64")?, but_starts)?, Occluded::of(row(scene, &[])?, false)?);
-    let share = both.occluded / (both.occluded + both.free);
-    Some(1.0 + SAMPLES * (both.bias().powi(2) - alone.bias().powi(2)) / (share * (1.0 - share)))
+    let [occluded, invented, lost] = occlusion(row(scene, &[])?, false)?;
+    let [_, invented_alone, lost_alone] = occlusion(voxels(scene, "64")?, but_starts)?;
+    let biases = (invented - lost).powi(2) - (invented_alone - lost_alone).powi(2);
+    Some(1.0 + 64.0 * biases / (occluded * (1.0 - occluded)))
 }
 
 /// The median error of t of diffuse rays that hit.
@@ -114,5 +86,7 @@ fn voxel_walk_exponents(scene: &SceneRows<'_>) -> Option<Estimate> {
         let all = ["128", "256", "512", "1024"].map(beyond).into_iter().collect::<Option<Vec<_>>>()?;
         exponents.extend(all.into_iter().tuple_windows().map(|(few, many)| (many.1 - few.1) / (many.0 - few.0)));
     }
-    Estimate::spanning(exponents)
+    let values: Vec<f64> = exponents.iter().map(|each| each.value).filter(|value| value.is_finite()).collect();
+    let (low, high) = (Estimate::least(exponents.clone())?, Estimate::greatest(exponents)?);
+    Some(Estimate { value: crate::statistics::median(&values), interval: [low.interval[0], high.interval[1]], ..low })
 }

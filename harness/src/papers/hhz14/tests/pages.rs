@@ -1,6 +1,6 @@
 //! Pages of HHZ14's tables: what stands on them, and that no time stands there without its accuracy.
 
-use super::{scenes, table_1};
+use super::table_1;
 use crate::papers::fixture::{page_of, run_of, take_judgements};
 use crate::papers::hhz14::SAMPLES;
 use crate::papers::{find, report};
@@ -48,15 +48,4 @@ fn pages_are_made_of_any_run() {
         let made = report(paper, experiment, &record).unwrap().contents().unwrap();
         assert!(made.iter().any(|(file, _)| file.ends_with(".md")), "{name}");
     }
-}
-
-/// Orders of scenes stand with how often chance makes one as strong.
-#[test]
-fn orders_stand_with_their_chance() {
-    let of: Vec<_> = (1..=6).map(|each| (1000 * each, each as f64, 2 * each, 3.0)).collect();
-    let page = page_of("hhz14-scenes", &scenes(&of));
-    // Two of 720 orders: all pairs in order, and none.
-    let row = "| rank_of_bytes_by_triangles | 6 | 1.00 | 0.00278 |";
-    assert!(page.contains(row), "no '{row}' in {page}");
-    assert!(!page_of("hhz14-scenes", &scenes(&of[..5])).contains("0.00278"));
 }
