@@ -13,7 +13,8 @@ use crate::results::{Judgement, Row};
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("voxels_alone_ao_change", "", |scene| ao_change(scene, false)),
     of_scene("voxels_alone_ao_change_but_starts", "", |scene| ao_change(scene, true)),
-    of_scene("voxels_alone_bytes_over_abuffers", "", voxels_alone_bytes_over_abuffers),
+    of_scene("voxels_alone_bytes_over_abuffers", "", |scene| bytes_over_abuffers(scene, 1.0)),
+    of_scene("voxels_of_a_byte_over_abuffers", "", |scene| bytes_over_abuffers(scene, 8.0)),
     of_scene("abuffer_samples_over_voxels_alone", "", |scene| abuffer_samples(scene, false)),
     of_scene("abuffer_samples_over_voxels_but_starts", "", |scene| abuffer_samples(scene, true)),
     of_scene("abuffer_position_error_over_voxels", "", abuffer_position_error_over_voxels),
@@ -42,10 +43,10 @@ fn ao_change(scene: &SceneRows<'_>, but_starts: bool) -> Option<f64> {
     Some(wrong(occlusion(row(scene, &[])?, false)?) - wrong(occlusion(voxels(scene, "512")?, but_starts)?))
 }
 
-/// Bytes of a grid alone of 1280 along an edge, by its cube from those of one of 1024, over those of grid and A-buffers.
-fn voxels_alone_bytes_over_abuffers(scene: &SceneRows<'_>) -> Option<f64> {
+/// Bytes of a grid alone of 1280 along an edge and so many bits, by its cube from those of one of 1024, over those of grid and A-buffers.
+fn bytes_over_abuffers(scene: &SceneRows<'_>, bits: f64) -> Option<f64> {
     let [alone, both] = [voxels(scene, "1024")?, row(scene, &[])?].map(|row| PAPER.bytes(row, Scope::Structure));
-    Some(alone? * (1280.0_f64 / 1024.0).powi(3) / both?)
+    Some(bits * alone? * (1280.0_f64 / 1024.0).powi(3) / both?)
 }
 
 /// Samples that A-buffers take, the paper's 64, over those that a grid of 64 alone takes to be off by as much in the mean over the pixels:

@@ -425,6 +425,7 @@ fn voxels_alone_are_compared() {
     let mut record = run_of(figure_9("a"));
     close(value("abuffer_position_error_over_voxels", &record), 0.6);
     close(value("voxels_alone_bytes_over_abuffers", &record), 20.0_f64.powi(3));
+    close(value("voxels_of_a_byte_over_abuffers", &record), 8.0 * 20.0_f64.powi(3));
     // Half of 1000 rays are occluded. Voxels alone find 400 of them and 450 of the others; 60 are lost for their start.
     for row in &mut record.rows[2..] {
         set_occlusion(row, [400, 50, 450, 100]);
@@ -447,6 +448,7 @@ fn voxels_alone_are_compared() {
         "voxels_alone_ao_change",
         "voxels_alone_ao_change_but_starts",
         "voxels_alone_bytes_over_abuffers",
+        "voxels_of_a_byte_over_abuffers",
         "abuffer_samples_over_voxels_alone",
         "abuffer_position_error_over_voxels",
         "voxel_walk_exponents",
