@@ -7,32 +7,28 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::Parser;
 use serde_json::{Value, json};
 use tracebench_harness::machine;
 use tracebench_harness::report::unpacked;
 use tracebench_harness::statistics::{median, median_interval};
 
+/// Lists the figures that are not what their records say.
+#[derive(Parser)]
+struct Asked {
+    /// Write them.
+    #[arg(long)]
+    write: bool,
+}
+
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let write = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--write"] => true,
-        _ => {
-            eprintln!("error: the one argument is --write");
-            return ExitCode::from(2);
-        }
-    };
+    let Asked { write } = Asked::parse();
     match check(&root(), write) {
-        Ok(found) if found.is_empty() || write => ExitCode::SUCCESS,
-        Ok(found) => {
-            eprintln!("{}\nwrite them: cargo run --release --example figures -- --write", found.join("\n"));
-            ExitCode::FAILURE
-        }
-        Err(reason) => {
-            eprintln!("error: {reason}");
-            ExitCode::FAILURE
-        }
+        Ok(found) if found.is_empty() || write => return ExitCode::SUCCESS,
+        Ok(found) => eprintln!("{}\nwrite them: cargo run --release --example figures -- --write", found.join("\n")),
+        Err(reason) => eprintln!("error: {reason}"),
     }
+    ExitCode::FAILURE
 }
 
 fn root() -> PathBuf {

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
+use clap::Parser;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tracebench_harness::machine;
@@ -43,8 +44,24 @@ enum Need {
     Nothing,
 }
 
+/// Measures committed records anew by the commands of results/manifest.json.
+#[derive(Parser)]
+struct Asked {
+    /// List them, and fail where README quotes one.
+    #[arg(long)]
+    check: bool,
+    /// Trace once what is stale, measure nothing, and keep in the manifest whose answers are still the same.
+    #[arg(long)]
+    answers: bool,
+    /// End before what would take longer, such as 2h.
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    budget: Option<Duration>,
+    /// Of some folders alone.
+    folders: Vec<String>,
+}
+
 fn main() -> ExitCode {
-    match asked(std::env::args().skip(1)).and_then(|asked| work(&root(), &asked)) {
+    match work(&root(), Asked::parse()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(reason) => {
@@ -54,43 +71,15 @@ fn main() -> ExitCode {
     }
 }
 
-/// What the command line asks for.
-#[derive(Debug, Default)]
-struct Asked {
-    check: bool,
-    answers: bool,
-    budget: Option<Duration>,
-    folders: BTreeSet<String>,
-}
-
-fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, String> {
-    let mut asked = Asked::default();
-    while let Some(word) = words.next() {
-        match word.as_str() {
-            "--check" => asked.check = true,
-            "--answers" => asked.answers = true,
-            "--budget" => {
-                let time = words.next().ok_or("--budget takes a time, such as 2h")?;
-                asked.budget =
-                    Some(humantime::parse_duration(&time).map_err(|error| format!("--budget {time}: {error}"))?);
-            }
-            option if option.starts_with('-') => {
-                return Err(format!("'{option}' is none of --check, --answers, --budget TIME"));
-            }
-            folder => {
-                asked.folders.insert(folder.trim_end_matches('/').trim_start_matches("results/").to_owned());
-            }
-        }
-    }
-    Ok(asked)
-}
-
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 /// Lists or measures; false where README quotes what is stale, or a measurement failed.
-fn work(root: &Path, asked: &Asked) -> Result<bool, String> {
+fn work(root: &Path, mut asked: Asked) -> Result<bool, String> {
+    for folder in &mut asked.folders {
+        *folder = folder.trim_end_matches('/').trim_start_matches("results/").to_owned();
+    }
     let path = root.join("results/manifest.json");
     let text = read(&path)?;
     let mut entries: Vec<Entry> =
@@ -148,11 +137,9 @@ fn read(path: &Path) -> Result<String, String> {
 /// The record of a folder: that of a run, or of the clock.
 fn record(folder: &Path) -> Result<Option<Value>, String> {
     let names = ["run.json", "run.json.gz", "clock.json", "clock.json.gz"].map(|name| folder.join(name));
-    if let Some(path) = names.iter().find(|path| path.exists()) {
-        let bytes = unpacked(path).map_err(|error| error.to_string())?;
-        return serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", path.display()));
-    }
-    Ok(None)
+    let Some(path) = names.iter().find(|path| path.exists()) else { return Ok(None) };
+    let bytes = unpacked(path).map_err(|error| error.to_string())?;
+    serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// Why a record is not of this program, if it is not. What is made of other records is stale where one of them is.
@@ -175,15 +162,11 @@ fn staleness(root: &Path, entries: &[Entry], entry: &Entry) -> Result<Option<Str
         return Ok(Some(format!("rules version {rules}")));
     }
     let rows = record["rows"].as_array().map_or_else(|| vec![&record], |rows| rows.iter().collect());
-    let other = rows.iter().filter_map(|row| {
-        let tracer = tracer_of(row)?;
-        (row["fingerprint"].as_str() != machine::fingerprint(tracer)).then_some(tracer)
-    });
-    let other: BTreeSet<&str> = other.collect();
+    let is_other = |row: &&&Value| row["fingerprint"].as_str() != tracer_of(row).and_then(machine::fingerprint);
+    let other: BTreeSet<&str> = rows.iter().filter(is_other).filter_map(|row| tracer_of(row)).collect();
     let is_answered = entry.answers == versions(&record);
-    let is_timed = record["rows"].as_array().is_none_or(|rows| {
-        rows.iter().any(|row| row["traces"].as_array().is_some_and(|traces| traces.iter().any(is_timed)))
-    });
+    let has_times = |trace: &Value| trace["samples_ms"].as_array().is_some_and(|samples| !samples.is_empty());
+    let is_timed = record["rows"].is_null() || traces(&record).any(has_times);
     if other.is_empty() || is_answered && !is_timed {
         return Ok(None);
     }
@@ -196,21 +179,24 @@ fn tracer_of(row: &Value) -> Option<&str> {
     row["tracer"]["name"].as_str().or(row["tracer"].as_str())
 }
 
-fn is_timed(trace: &Value) -> bool {
-    trace["samples_ms"].as_array().is_some_and(|samples| !samples.is_empty())
+fn rows(record: &Value) -> impl Iterator<Item = &Value> {
+    record["rows"].as_array().into_iter().flatten()
+}
+
+fn traces(record: &Value) -> impl Iterator<Item = &Value> {
+    rows(record).flat_map(|row| row["traces"].as_array().into_iter().flatten())
 }
 
 /// What this program's versions of a record's tracers are called.
 fn versions(record: &Value) -> String {
-    let rows = record["rows"].as_array().into_iter().flatten().filter_map(tracer_of).collect::<BTreeSet<_>>();
-    rows.into_iter().filter_map(machine::fingerprint).map(|version| &version[..8]).collect::<Vec<_>>().join(" ")
+    let tracers: BTreeSet<&str> = rows(record).filter_map(tracer_of).collect();
+    tracers.into_iter().filter_map(machine::fingerprint).map(|version| &version[..8]).collect::<Vec<_>>().join(" ")
 }
 
 /// The hits of each trace of a record, by place.
 fn hits(record: &Value) -> Vec<[&str; 2]> {
-    let rows = record["rows"].as_array().into_iter().flatten();
-    let traces = rows.flat_map(|row| row["traces"].as_array().into_iter().flatten());
-    traces.map(|trace| ["rays_sha256", "hits_sha256"].map(|key| trace[key].as_str().unwrap_or_default())).collect()
+    let hashes = |trace: &'_ Value| ["rays_sha256", "hits_sha256"].map(|key| trace[key].as_str().unwrap_or_default());
+    traces(record).map(hashes).collect()
 }
 
 /// The entries that a text names by files or folders below results/.
