@@ -29,15 +29,7 @@ pub fn fingerprints(sources: &Sources<'_>) -> Result<BTreeMap<String, String>, S
     let house = House { sources, lock, manifest, known: RefCell::default() };
     let mut judging = Hashed::default();
     judging.0.insert("profile".to_owned(), house.manifest["profile"].to_string());
-    for folder in JUDGING {
-        let root = format!("harness/src/{folder}");
-        let root = if (sources.read)(&format!("{root}.rs")).is_some() {
-            format!("{root}.rs")
-        } else {
-            format!("{root}/mod.rs")
-        };
-        house.add_rust(&root, &mut judging)?;
-    }
+    JUDGING.iter().try_for_each(|module| house.add_module("harness/src", module, &mut judging))?;
     let code = judging.0.values().map(String::as_str).collect::<Vec<_>>().join(" ");
     house.add_named("harness", &code, &mut judging)?;
     let mut all = BTreeMap::from([("controls".to_owned(), judging.digest())]);
@@ -85,7 +77,8 @@ impl House<'_> {
             return Ok(code.clone());
         }
         let text = (self.sources.read)(file).ok_or_else(|| format!("{file} cannot be read"))?;
-        let code = code_of(&text, file)?;
+        let mut code = Code::default();
+        add_tokens(text.parse().map_err(|error| format!("{file}: {error}"))?, &mut code);
         self.known.borrow_mut().insert(file.to_owned(), code.clone());
         Ok(code)
     }
@@ -97,12 +90,13 @@ impl House<'_> {
         let (folder, name) = file.rsplit_once('/').unwrap_or_default();
         let stem = name.trim_end_matches(".rs");
         let below = if ["lib", "main", "mod"].contains(&stem) { folder.to_owned() } else { format!("{folder}/{stem}") };
-        for module in code.modules {
-            let file = [format!("{below}/{module}.rs"), format!("{below}/{module}/mod.rs")];
-            let file = file.into_iter().find(|file| (self.sources.read)(file).is_some());
-            self.add_rust(&file.ok_or_else(|| format!("{below} has no module {module}"))?, hashed)?;
-        }
-        Ok(())
+        code.modules.iter().try_for_each(|module| self.add_module(&below, module, hashed))
+    }
+
+    fn add_module(&self, folder: &str, module: &str, hashed: &mut Hashed) -> Result<(), String> {
+        let file = [format!("{folder}/{module}.rs"), format!("{folder}/{module}/mod.rs")];
+        let file = file.into_iter().find(|file| (self.sources.read)(file).is_some());
+        self.add_rust(&file.ok_or_else(|| format!("{folder} has no module {module}"))?, hashed)
     }
 
     /// The dependencies of a package that a text names.
@@ -205,18 +199,15 @@ fn dependencies(manifest: &Table) -> impl Iterator<Item = &str> {
     sections.filter_map(|section| manifest.get(section)?.as_table()).flat_map(|names| names.keys().map(String::as_str))
 }
 
+/// Rust without comments, documentation and tests; `modules` are those whose sources are files of their own.
 #[derive(Clone, Default)]
 struct Code {
     text: String,
     modules: Vec<String>,
 }
 
-/// Rust without comments, documentation and tests; `modules` are those whose sources are files of their own.
-fn code_of(text: &str, file: &str) -> Result<Code, String> {
-    let tokens: TokenStream = text.parse().map_err(|error| format!("{file}: {error}"))?;
-    let mut code = Code::default();
-    add_tokens(tokens, &mut code);
-    Ok(code)
+fn is(token: &TokenTree, mark: char) -> bool {
+    matches!(token, TokenTree::Punct(each) if each.as_char() == mark)
 }
 
 fn add_tokens(tokens: TokenStream, code: &mut Code) {
@@ -224,10 +215,9 @@ fn add_tokens(tokens: TokenStream, code: &mut Code) {
     let mut before = String::new();
     while let Some(token) = tokens.next() {
         // The `!` of what stands for the whole file.
-        let inner = matches!(&token, TokenTree::Punct(each) if each.as_char() == '#')
-            && tokens.next_if(|next| matches!(next, TokenTree::Punct(each) if each.as_char() == '!')).is_some();
-        if let (TokenTree::Punct(mark), Some(TokenTree::Group(group))) = (&token, tokens.peek())
-            && mark.as_char() == '#'
+        let inner = is(&token, '#') && tokens.next_if(|next| is(next, '!')).is_some();
+        if let Some(TokenTree::Group(group)) = tokens.peek()
+            && is(&token, '#')
             && group.delimiter() == Delimiter::Bracket
         {
             let attribute = group.stream().to_string();
@@ -237,13 +227,10 @@ fn add_tokens(tokens: TokenStream, code: &mut Code) {
             }
             if attribute == "cfg (test)" && !inner {
                 // The item behind it: up to its braces or its semicolon.
-                let ends = |token: &TokenTree| match token {
-                    TokenTree::Punct(each) => each.as_char() == ';',
-                    TokenTree::Group(each) => each.delimiter() == Delimiter::Brace,
-                    _ => false,
-                };
-                let _ = tokens.by_ref().find(ends);
-                tokens.next_if(|next| matches!(next, TokenTree::Punct(each) if each.as_char() == ';'));
+                let is_body =
+                    |token: &TokenTree| matches!(token, TokenTree::Group(each) if each.delimiter() == Delimiter::Brace);
+                let _ = tokens.by_ref().find(|token| is(token, ';') || is_body(token));
+                tokens.next_if(|next| is(next, ';'));
                 continue;
             }
         }
@@ -261,9 +248,7 @@ fn add_tokens(tokens: TokenStream, code: &mut Code) {
             }
             other => other.to_string(),
         };
-        let names_module =
-            before == "mod" && matches!(tokens.peek(), Some(TokenTree::Punct(each)) if each.as_char() == ';');
-        if names_module {
+        if before == "mod" && tokens.peek().is_some_and(|next| is(next, ';')) {
             code.modules.push(last.clone());
         }
         code.text += &last;
