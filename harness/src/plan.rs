@@ -42,33 +42,22 @@ pub const SAMPLING: SampleSchedule =
 
 /// Every run preset. `paper` is the set-up of DIRT (HPG 2016, section 5): 1024x512, faces of 512.
 pub const RUN_PRESETS: [RunPreset; 3] = [
-    RunPreset {
-        name: "smoke",
-        ray_image: [64, 32],
-        frame: [128, 64],
-        face: 64,
-        sampling: SampleSchedule::rounds(3),
-        scene_scale: 0.05,
-    },
-    RunPreset {
-        name: "quick",
-        ray_image: [256, 128],
-        frame: [512, 256],
-        face: 256,
-        sampling: SAMPLING,
-        scene_scale: 1.0,
-    },
-    RunPreset {
-        name: "paper",
-        ray_image: [1024, 512],
-        frame: [1024, 512],
-        face: 512,
-        sampling: SAMPLING,
-        scene_scale: 1.0,
-    },
+    RunPreset::of("smoke", [[64, 32], [128, 64]], 64, SampleSchedule::rounds(3), 0.05),
+    RunPreset::of("quick", [[256, 128], [512, 256]], 256, SAMPLING, 1.0),
+    RunPreset::of("paper", [[1024, 512], [1024, 512]], 512, SAMPLING, 1.0),
 ];
 
 impl RunPreset {
+    const fn of(
+        name: &'static str,
+        [ray_image, frame]: [[u32; 2]; 2],
+        face: u32,
+        sampling: SampleSchedule,
+        scene_scale: f64,
+    ) -> Self {
+        Self { name, ray_image, frame, face, sampling, scene_scale }
+    }
+
     /// Finds a preset.
     pub fn named(name: &str) -> Option<Self> {
         RUN_PRESETS.into_iter().find(|preset| preset.name == name)

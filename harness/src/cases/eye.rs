@@ -4,22 +4,16 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, RAYS, Sketch, Stage};
-use super::{Case, DifficultyParameter, Feature, Probe, Setup};
+use super::{Case, Feature, Probe, Setup, turned};
 
 pub(super) const INSIDE: Case = Case {
     name: "eye-inside-object",
     summary: "the eye within a closed shell ever smaller than the scene; half of the rays start outside of it",
-    difficulty_parameter: DifficultyParameter {
-        name: "shell radius",
-        unit: "diagonals",
-        values: &[0.2, 0.05, 0.01, 0.004],
-    },
+    difficulty_parameter: turned("shell radius", "diagonals", &[0.2, 0.05, 0.01, 0.004]),
     make: inside,
-    feature: Feature {
-        what: "hit the shell within a hundredth of the diagonal",
-        least: 0.3,
-        has: |probe, index| probe.hit(index).is_some_and(|hit| hit.t < 0.01 * probe.truth.diagonal()),
-    },
+    feature: Feature::of("hit the shell within a hundredth of the diagonal", 0.3, |probe, index| {
+        probe.hit(index).is_some_and(|hit| hit.t < 0.01 * probe.truth.diagonal())
+    }),
 };
 
 fn inside(radius: f64) -> Result<Setup, TracerError> {
@@ -51,13 +45,9 @@ fn before_near(probe: &Probe<'_>, index: usize) -> bool {
 pub(super) const ON_SURFACE: Case = Case {
     name: "eye-on-surface",
     summary: "the eye ever closer above a floor",
-    difficulty_parameter: DifficultyParameter {
-        name: "height",
-        unit: "diagonals",
-        values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5],
-    },
+    difficulty_parameter: turned("height", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 1e-5]),
     make: on_surface,
-    feature: Feature { what: "hit the floor before near", least: 0.2, has: before_near },
+    feature: Feature::of("hit the floor before near", 0.2, before_near),
 };
 
 fn on_surface(height: f64) -> Result<Setup, TracerError> {
@@ -73,13 +63,9 @@ fn on_surface(height: f64) -> Result<Setup, TracerError> {
 pub(super) const AT_VERTEX: Case = Case {
     name: "eye-at-vertex",
     summary: "the eye ever closer to the tip of a cone that points at it",
-    difficulty_parameter: DifficultyParameter {
-        name: "distance",
-        unit: "diagonals",
-        values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5],
-    },
+    difficulty_parameter: turned("distance", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 1e-5]),
     make: at_vertex,
-    feature: Feature { what: "hit the cone before near", least: 0.2, has: before_near },
+    feature: Feature::of("hit the cone before near", 0.2, before_near),
 };
 
 fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
@@ -102,13 +88,9 @@ fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
 pub(super) const BEFORE_NEAR: Case = Case {
     name: "before-near",
     summary: "a plate before half of the view, at last nearer than near",
-    difficulty_parameter: DifficultyParameter {
-        name: "depth",
-        unit: "near distances",
-        values: &[10.0, 1.5, 0.75, 0.25, 0.01],
-    },
+    difficulty_parameter: turned("depth", "near distances", &[10.0, 1.5, 0.75, 0.25, 0.01]),
     make: nearer_than_near,
-    feature: Feature { what: "hit what is nearer than near", least: 0.2, has: before_near },
+    feature: Feature::of("hit what is nearer than near", 0.2, before_near),
 };
 
 fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
@@ -123,17 +105,11 @@ fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
 pub(super) const DEPTH_RANGE: Case = Case {
     name: "depth-range",
     summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
-    difficulty_parameter: DifficultyParameter {
-        name: "range",
-        unit: "decades of depth",
-        values: &[1.0, 2.0, 4.0, 6.0, 8.0],
-    },
+    difficulty_parameter: turned("range", "decades of depth", &[1.0, 2.0, 4.0, 6.0, 8.0]),
     make: depth_range,
-    feature: Feature {
-        what: "hit at less than a hundred-thousandth of the greatest depth",
-        least: 0.15,
-        has: |probe, index| probe.point(index).is_some_and(|point| -point.z < 1e-5 * probe.view().far),
-    },
+    feature: Feature::of("hit at less than a hundred-thousandth of the greatest depth", 0.15, |probe, index| {
+        probe.point(index).is_some_and(|point| -point.z < 1e-5 * probe.view().far)
+    }),
 };
 
 /// A plate a decade of depth side by side in one view: corner, and the two edges that start there.
@@ -163,20 +139,12 @@ fn depth_range(decades: f64) -> Result<Setup, TracerError> {
 pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
     name: "secondary-depth-ratio",
     summary: "rays from surfaces to deeper ones, in a view whose depths are ten times as deep from plate to plate",
-    difficulty_parameter: DifficultyParameter {
-        name: "range",
-        unit: "decades of depth",
-        values: &[1.0, 2.0, 4.0, 6.0, 8.0],
-    },
+    difficulty_parameter: turned("range", "decades of depth", &[1.0, 2.0, 4.0, 6.0, 8.0]),
     make: secondary_depth_ratio,
-    feature: Feature {
-        what: "start at less than a hundred-thousandth of the depth of their hit",
-        least: 0.12,
-        has: |probe, index| {
-            let start = probe.ray(index).origin[2];
-            probe.point(index).is_some_and(|point| start > 1e-5 * point.z)
-        },
-    },
+    feature: Feature::of("start at less than a hundred-thousandth of the depth of their hit", 0.12, |probe, index| {
+        let start = probe.ray(index).origin[2];
+        probe.point(index).is_some_and(|point| start > 1e-5 * point.z)
+    }),
 };
 
 /// The plates that rays start on: so far apart are they from the deepest.
@@ -210,20 +178,12 @@ fn secondary_depth_ratio(decades: f64) -> Result<Setup, TracerError> {
 pub(super) const PLANE_THROUGH_EYE: Case = Case {
     name: "plane-through-eye",
     summary: "a ground along the world's axes that the eye sinks into: edge-on to the eye, and to every face along it; rays above it, up and down",
-    difficulty_parameter: DifficultyParameter {
-        name: "height over the ground",
-        unit: "diagonals",
-        values: &[0.1, 0.01, 1e-4, 1e-6, 0.0],
-    },
+    difficulty_parameter: turned("height over the ground", "diagonals", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
     make: plane_through_eye,
-    feature: Feature {
-        what: "hit a plane that holds the eye",
-        least: 0.3,
-        has: |probe, index| {
-            let eye = probe.setup.viewpoint.eye;
-            probe.point(index).is_some_and(|point| point.y.abs() < 1e-6 && eye.y == 0.0)
-        },
-    },
+    feature: Feature::of("hit a plane that holds the eye", 0.3, |probe, index| {
+        let eye = probe.setup.viewpoint.eye;
+        probe.point(index).is_some_and(|point| point.y.abs() < 1e-6 && eye.y == 0.0)
+    }),
 };
 
 fn plane_through_eye(height: f64) -> Result<Setup, TracerError> {

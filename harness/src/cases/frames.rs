@@ -4,27 +4,19 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError, View, Viewpoint};
 
 use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch, Stage};
-use super::{Case, DifficultyParameter, Feature, Probe, Setup};
+use super::{Case, Feature, Probe, Setup, turned};
 
 pub(super) const CUBE_BORDERS: Case = Case {
     name: "cube-borders",
     summary: "rays from the eye and near it along the edges and corners between cube faces, onto a torn sphere",
-    difficulty_parameter: DifficultyParameter {
-        name: "off the border",
-        unit: "parts of the distance",
-        values: &[0.1, 0.01, 1e-4, 1e-6, 0.0],
-    },
+    difficulty_parameter: turned("off the border", "parts of the distance", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
     make: cube_borders,
-    feature: Feature {
-        what: "run along a face's border",
-        least: 0.9,
-        has: |probe, index| {
-            let direction = probe.ray(index).direction.abs();
-            let (most, least) = (direction.max_element(), direction.min_element());
-            let middle = direction.element_sum() - most - least;
-            most - middle < 1e-6
-        },
-    },
+    feature: Feature::of("run along a face's border", 0.9, |probe, index| {
+        let direction = probe.ray(index).direction.abs();
+        let (most, least) = (direction.max_element(), direction.min_element());
+        let middle = direction.element_sum() - most - least;
+        most - middle < 1e-6
+    }),
 };
 
 fn cube_borders(off: f64) -> Result<Setup, TracerError> {
@@ -67,20 +59,12 @@ fn plates(stage_of: Camera, rays_made: &mut CaseRays, width: f64, height: f64) -
 pub(super) const COARSE_FRAME: Case = Case {
     name: "coarse-frame",
     summary: "plates seen through ever fewer pixels, odd numbers of them, down to one; rays between pixel centres",
-    difficulty_parameter: DifficultyParameter {
-        name: "frame edge",
-        unit: "pixels",
-        values: &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0],
-    },
+    difficulty_parameter: turned("frame edge", "pixels", &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0]),
     make: coarse_frame,
-    feature: Feature {
-        what: "hit something smaller than a pixel",
-        least: 0.3,
-        has: |probe, index| {
-            let triangle = probe.triangle(index).zip(probe.point(index));
-            triangle.is_some_and(|((longest, _), point)| longest < probe.pixel(point))
-        },
-    },
+    feature: Feature::of("hit something smaller than a pixel", 0.3, |probe, index| {
+        let triangle = probe.triangle(index).zip(probe.point(index));
+        triangle.is_some_and(|((longest, _), point)| longest < probe.pixel(point))
+    }),
 };
 
 fn coarse_frame(edge: f64) -> Result<Setup, TracerError> {
@@ -97,17 +81,11 @@ fn coarse_frame(edge: f64) -> Result<Setup, TracerError> {
 pub(super) const WIDE_FRAME: Case = Case {
     name: "wide-frame",
     summary: "plates through ever wider and lower frames, to a single row; rays through pixel centres",
-    difficulty_parameter: DifficultyParameter {
-        name: "width",
-        unit: "heights",
-        values: &[1.0, 8.0, 64.0, 512.0, 4096.0],
-    },
+    difficulty_parameter: turned("width", "heights", &[1.0, 8.0, 64.0, 512.0, 4096.0]),
     make: wide_frame,
-    feature: Feature {
-        what: "hit something in a frame of one row",
-        least: 0.2,
-        has: |probe, index| probe.hit(index).is_some() && probe.view().size[1] == 1,
-    },
+    feature: Feature::of("hit something in a frame of one row", 0.2, |probe, index| {
+        probe.hit(index).is_some() && probe.view().size[1] == 1
+    }),
 };
 
 fn wide_frame(aspect: f64) -> Result<Setup, TracerError> {
@@ -129,17 +107,11 @@ fn wide_frame(aspect: f64) -> Result<Setup, TracerError> {
 pub(super) const SURFACE_STARTS: Case = Case {
     name: "surface-starts",
     summary: "rays that start ever closer above a floor, before a wall, in any direction off it",
-    difficulty_parameter: DifficultyParameter {
-        name: "lift",
-        unit: "diagonals",
-        values: &[0.01, 1e-3, 1e-4, 1e-5, 2e-6],
-    },
+    difficulty_parameter: turned("lift", "diagonals", &[0.01, 1e-3, 1e-4, 1e-5, 2e-6]),
     make: surface_starts,
-    feature: Feature {
-        what: "start within a hundred thousandth of a diagonal from the floor",
-        least: 0.9,
-        has: |probe, index| (probe.ray(index).origin.y + 1.0).abs() < 1e-5 * probe.truth.diagonal(),
-    },
+    feature: Feature::of("start within a hundred thousandth of a diagonal from the floor", 0.9, |probe, index| {
+        (probe.ray(index).origin.y + 1.0).abs() < 1e-5 * probe.truth.diagonal()
+    }),
 };
 
 fn surface_starts(lift: f64) -> Result<Setup, TracerError> {
@@ -160,22 +132,14 @@ fn surface_starts(lift: f64) -> Result<Setup, TracerError> {
 pub(super) const CELL_BORDERS: Case = Case {
     name: "cell-borders",
     summary: "rays whose image runs along a border between pixel columns or rows, ever closer to it",
-    difficulty_parameter: DifficultyParameter {
-        name: "off the border",
-        unit: "pixels",
-        values: &[0.4, 0.1, 0.01, 1e-3, 0.0],
-    },
+    difficulty_parameter: turned("off the border", "pixels", &[0.4, 0.1, 0.01, 1e-3, 0.0]),
     make: cell_borders,
-    feature: Feature {
-        what: "start on a border",
-        least: 0.9,
-        has: |probe, index| {
-            probe
-                .view()
-                .project(probe.ray(index).origin)
-                .is_some_and(|at| (at.x - at.x.round()).abs() < 1e-3 || (at.y - at.y.round()).abs() < 1e-3)
-        },
-    },
+    feature: Feature::of("start on a border", 0.9, |probe, index| {
+        probe
+            .view()
+            .project(probe.ray(index).origin)
+            .is_some_and(|at| (at.x - at.x.round()).abs() < 1e-3 || (at.y - at.y.round()).abs() < 1e-3)
+    }),
 };
 
 fn cell_borders(off: f64) -> Result<Setup, TracerError> {
@@ -202,21 +166,13 @@ fn cell_borders(off: f64) -> Result<Setup, TracerError> {
 pub(super) const FACE_CELL_BORDERS: Case = Case {
     name: "face-cell-borders",
     summary: "the same along borders between pairs of pixels of a cube face whose centre is pulled back by near",
-    difficulty_parameter: DifficultyParameter {
-        name: "off the border",
-        unit: "pixels",
-        values: &[0.8, 0.1, 0.01, 1e-3, 0.0],
-    },
+    difficulty_parameter: turned("off the border", "pixels", &[0.8, 0.1, 0.01, 1e-3, 0.0]),
     make: face_cell_borders,
-    feature: Feature {
-        what: "start on a border",
-        least: 0.9,
-        has: |probe, index| {
-            let on_border = |at: f64| (at / 2.0 - (at / 2.0).round()).abs() < 5e-4;
-            let at = forward_face(&probe.setup.viewpoint).project(probe.ray(index).origin);
-            at.is_some_and(|at| on_border(at.x) || on_border(at.y))
-        },
-    },
+    feature: Feature::of("start on a border", 0.9, |probe, index| {
+        let on_border = |at: f64| (at / 2.0 - (at / 2.0).round()).abs() < 5e-4;
+        let at = forward_face(&probe.setup.viewpoint).project(probe.ray(index).origin);
+        at.is_some_and(|at| on_border(at.x) || on_border(at.y))
+    }),
 };
 
 /// The face that looks along -z, as image-space methods with pulled-back centres have it (VVP16, section 3.2).
@@ -250,13 +206,9 @@ fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {
 pub(super) const VIEW_CENTRE: Case = Case {
     name: "through-view-centre",
     summary: "rays from behind that pass ever closer by the eye and go on into the view, to a torn sphere",
-    difficulty_parameter: DifficultyParameter {
-        name: "distance from the eye",
-        unit: "diagonals",
-        values: &[0.02, 0.005, 1e-3, 1e-5, 0.0],
-    },
+    difficulty_parameter: turned("distance from the eye", "diagonals", &[0.02, 0.005, 1e-3, 1e-5, 0.0]),
     make: view_centre,
-    feature: Feature { what: "pass the eye within a millionth of the diagonal", least: 0.9, has: passes_the_eye },
+    feature: Feature::of("pass the eye within a millionth of the diagonal", 0.9, passes_the_eye),
 };
 
 fn passes_the_eye(probe: &Probe<'_>, index: usize) -> bool {

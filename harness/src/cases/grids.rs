@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, RAYS, Sketch};
-use super::{Case, DifficultyParameter, Feature, Setup};
+use super::{Case, Feature, Setup, turned};
 
 /// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
 pub(super) const VOXEL_EDGE: f64 = 1.0 / 64.0;
@@ -13,17 +13,11 @@ pub(super) const THIN_WALLS: Case = Case {
     name: "thin-walls",
     summary: "a closed room whose walls are ever thinner than a voxel of a 64-cubed grid; any hit is asked between its inside and \
               what lies outside",
-    difficulty_parameter: DifficultyParameter {
-        name: "wall",
-        unit: "64ths of the scene",
-        values: &[4.0, 1.0, 0.25, 0.06, 0.015],
-    },
+    difficulty_parameter: turned("wall", "64ths of the scene", &[4.0, 1.0, 0.25, 0.06, 0.015]),
     make: thin_walls,
-    feature: Feature {
-        what: "meet both sides of a wall within a fifth of a voxel",
-        least: 0.5,
-        has: |probe, index| probe.surfaces(index, 0.2 * VOXEL_EDGE, 2) == 2,
-    },
+    feature: Feature::of("meet both sides of a wall within a fifth of a voxel", 0.5, |probe, index| {
+        probe.surfaces(index, 0.2 * VOXEL_EDGE, 2) == 2
+    }),
 };
 
 fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
@@ -57,19 +51,11 @@ fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
 pub(super) const LONG_SCENE: Case = Case {
     name: "long-scene",
     summary: "blocks along a passage, at last a hundred times as long as it is wide, seen from its end",
-    difficulty_parameter: DifficultyParameter {
-        name: "length",
-        unit: "widths",
-        values: &[1.0, 4.0, 16.0, 50.0, 100.0],
-    },
+    difficulty_parameter: turned("length", "widths", &[1.0, 4.0, 16.0, 50.0, 100.0]),
     make: long_scene,
-    feature: Feature {
-        what: "hit a block smaller than a 64th of the scene's diagonal",
-        least: 0.2,
-        has: |probe, index| {
-            probe.triangle(index).is_some_and(|(longest, _)| longest < VOXEL_EDGE * probe.truth.diagonal())
-        },
-    },
+    feature: Feature::of("hit a block smaller than a 64th of the scene's diagonal", 0.2, |probe, index| {
+        probe.triangle(index).is_some_and(|(longest, _)| longest < VOXEL_EDGE * probe.truth.diagonal())
+    }),
 };
 
 fn long_scene(length: f64) -> Result<Setup, TracerError> {

@@ -5,22 +5,16 @@ use tracebench_api::{Query, TracerError};
 
 use super::grids::VOXEL_EDGE;
 use super::sketch::{Camera, CaseRays, RAYS, Sketch};
-use super::{Case, DifficultyParameter, Feature, Setup};
+use super::{Case, Feature, Setup, turned};
 
 pub(super) const VOXEL: Case = Case {
     name: "voxel-stack",
     summary: "stacks of plates in single voxels of a 64-cubed grid; rays from all around",
-    difficulty_parameter: DifficultyParameter {
-        name: "surfaces",
-        unit: "a voxel",
-        values: &[1.0, 2.0, 4.0, 8.0, 32.0],
-    },
+    difficulty_parameter: turned("surfaces", "a voxel", &[1.0, 2.0, 4.0, 8.0, 32.0]),
     make: voxel,
-    feature: Feature {
-        what: "meet four surfaces within a voxel",
-        least: 0.2,
-        has: |probe, index| probe.surfaces(index, 2.0 * VOXEL_EDGE, 4) == 4,
-    },
+    feature: Feature::of("meet four surfaces within a voxel", 0.2, |probe, index| {
+        probe.surfaces(index, 2.0 * VOXEL_EDGE, 4) == 4
+    }),
 };
 
 fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
@@ -61,13 +55,11 @@ fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
 pub(super) const EQUAL_TRIANGLES: Case = Case {
     name: "equal-triangles",
     summary: "one triangle thousands of times over: hierarchies over equal boxes grow deep, lists long",
-    difficulty_parameter: DifficultyParameter { name: "copies", unit: "", values: &[16.0, 256.0, 1024.0, 4096.0] },
+    difficulty_parameter: turned("copies", "", &[16.0, 256.0, 1024.0, 4096.0]),
     make: equal_triangles,
-    feature: Feature {
-        what: "hit a triangle of which there are thousands",
-        least: 0.2,
-        has: |probe, index| probe.hit(index).is_some() && probe.truth.geometry().triangles.len() > 1000,
-    },
+    feature: Feature::of("hit a triangle of which there are thousands", 0.2, |probe, index| {
+        probe.hit(index).is_some() && probe.truth.geometry().triangles.len() > 1000
+    }),
 };
 
 fn equal_triangles(copies: f64) -> Result<Setup, TracerError> {
@@ -85,17 +77,9 @@ fn equal_triangles(copies: f64) -> Result<Setup, TracerError> {
 pub(super) const LAYERS: Case = Case {
     name: "stacked-layers",
     summary: "plates one behind another in the same pixels; half of the rays start among them",
-    difficulty_parameter: DifficultyParameter {
-        name: "layers",
-        unit: "a pixel",
-        values: &[1.0, 4.0, 32.0, 256.0, 2048.0],
-    },
+    difficulty_parameter: turned("layers", "a pixel", &[1.0, 4.0, 32.0, 256.0, 2048.0]),
     make: layers,
-    feature: Feature {
-        what: "meet a hundred layers",
-        least: 0.2,
-        has: |probe, index| probe.surfaces(index, 10.0, 100) == 100,
-    },
+    feature: Feature::of("meet a hundred layers", 0.2, |probe, index| probe.surfaces(index, 10.0, 100) == 100),
 };
 
 fn layers(layers: f64) -> Result<Setup, TracerError> {
@@ -118,16 +102,12 @@ fn layers(layers: f64) -> Result<Setup, TracerError> {
 pub(super) const CROWD: Case = Case {
     name: "crowded-pixel",
     summary: "a cloud of tiny triangles within one pixel and one voxel; any hit is asked",
-    difficulty_parameter: DifficultyParameter { name: "triangles", unit: "", values: &[8.0, 64.0, 512.0, 4096.0] },
+    difficulty_parameter: turned("triangles", "", &[8.0, 64.0, 512.0, 4096.0]),
     make: crowd,
-    feature: Feature {
-        what: "meet something less than a twentieth of a pixel wide",
-        least: 0.3,
-        has: |probe, index| {
-            let triangle = probe.triangle(index).zip(probe.point(index));
-            triangle.is_some_and(|((_, least), point)| least < 0.05 * probe.pixel(point))
-        },
-    },
+    feature: Feature::of("meet something less than a twentieth of a pixel wide", 0.3, |probe, index| {
+        let triangle = probe.triangle(index).zip(probe.point(index));
+        triangle.is_some_and(|((_, least), point)| least < 0.05 * probe.pixel(point))
+    }),
 };
 
 fn crowd(triangles: f64) -> Result<Setup, TracerError> {

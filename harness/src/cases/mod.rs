@@ -34,6 +34,10 @@ impl DifficultyParameter {
     }
 }
 
+const fn turned(name: &'static str, unit: &'static str, values: &'static [f64]) -> DifficultyParameter {
+    DifficultyParameter { name, unit, values }
+}
+
 /// A difficulty parameter's name with its unit, if it has one.
 pub(crate) fn label(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
@@ -60,6 +64,12 @@ pub struct Feature {
     pub least: f64,
     /// Whether a ray has it.
     pub has: fn(&Probe<'_>, usize) -> bool,
+}
+
+impl Feature {
+    const fn of(what: &'static str, least: f64, has: fn(&Probe<'_>, usize) -> bool) -> Self {
+        Self { what, least, has }
+    }
 }
 
 /// Most ambiguous rays of a case at any strength, share of all rays: else it would measure nothing.

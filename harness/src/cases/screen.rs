@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
-use super::{Case, DifficultyParameter, Feature, Setup};
+use super::{Case, Feature, Setup, turned};
 use crate::truth::Ray64;
 
 /// Eye depth of the plate that floats before rays.
@@ -14,21 +14,13 @@ const FLOATING: f64 = 2.0;
 pub(super) const BEHIND_FOREGROUND: Case = Case {
     name: "behind-foreground",
     summary: "a thin plate floats in the view; three quarters of the rays pass behind it, ever closer, the others hit its front",
-    difficulty_parameter: DifficultyParameter {
-        name: "gap",
-        unit: "diagonals",
-        values: &[0.1, 0.03, 0.01, 0.003, 0.001],
-    },
+    difficulty_parameter: turned("gap", "diagonals", &[0.1, 0.03, 0.01, 0.003, 0.001]),
     make: behind_foreground,
-    feature: Feature {
-        what: "pass behind the plate within 0.0015 diagonals",
-        least: 0.6,
-        has: |probe, index| {
-            let ray = probe.ray(index);
-            let gap = -FLOATING - ray.at(-ray.origin.x / ray.direction.x).z;
-            probe.hit(index).is_none() && gap > 0.0 && gap < 0.0015 * probe.truth.diagonal()
-        },
-    },
+    feature: Feature::of("pass behind the plate within 0.0015 diagonals", 0.6, |probe, index| {
+        let ray = probe.ray(index);
+        let gap = -FLOATING - ray.at(-ray.origin.x / ray.direction.x).z;
+        probe.hit(index).is_none() && gap > 0.0 && gap < 0.0015 * probe.truth.diagonal()
+    }),
 };
 
 fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
@@ -58,22 +50,14 @@ fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
 pub(super) const TOWARDS_CAMERA: Case = Case {
     name: "towards-camera",
     summary: "rays from behind onto a slanted plate, ever closer to the way to the eye, which shows them less of their way",
-    difficulty_parameter: DifficultyParameter {
-        name: "angle to the eye",
-        unit: "degrees",
-        values: &[60.0, 30.0, 10.0, 3.0, 0.5],
-    },
+    difficulty_parameter: turned("angle to the eye", "degrees", &[60.0, 30.0, 10.0, 3.0, 0.5]),
     make: towards_camera,
-    feature: Feature {
-        what: "hit within a degree of the way to the eye",
-        least: 0.5,
-        has: |probe, index| {
-            probe.point(index).is_some_and(|point| {
-                let to_eye = (probe.view().eye - point).normalize();
-                probe.ray(index).direction.dot(to_eye) > 1.0_f64.to_radians().cos()
-            })
-        },
-    },
+    feature: Feature::of("hit within a degree of the way to the eye", 0.5, |probe, index| {
+        probe.point(index).is_some_and(|point| {
+            let to_eye = (probe.view().eye - point).normalize();
+            probe.ray(index).direction.dot(to_eye) > 1.0_f64.to_radians().cos()
+        })
+    }),
 };
 
 fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
@@ -106,24 +90,16 @@ pub(super) const FOREGROUND_IN_CELL: Case = Case {
     name: "foreground-in-cell",
     summary: "a post stands far before rays that pass it in the image, ever closer: coarse cells of the image hold both; half of the \
               rays hit the wall behind, half nothing",
-    difficulty_parameter: DifficultyParameter {
-        name: "between post and ray",
-        unit: "pixels",
-        values: &[48.0, 16.0, 4.0, 1.0, 0.5],
-    },
+    difficulty_parameter: turned("between post and ray", "pixels", &[48.0, 16.0, 4.0, 1.0, 0.5]),
     make: foreground_in_cell,
-    feature: Feature {
-        what: "have the post within a pixel and a half on the image",
-        least: 0.9,
-        has: |probe, index| {
-            let view = probe.view();
-            let point = probe.ray(index).at(0.3);
-            let Some(at) = view.project(point) else { return false };
-            let direction = view.direction_through(at.x - 1.5, at.y);
-            let beside = Ray64 { origin: view.eye, direction, t_min: view.near, t_max: 0.6 * at.depth };
-            probe.truth.closest(&beside).is_some()
-        },
-    },
+    feature: Feature::of("have the post within a pixel and a half on the image", 0.9, |probe, index| {
+        let view = probe.view();
+        let point = probe.ray(index).at(0.3);
+        let Some(at) = view.project(point) else { return false };
+        let direction = view.direction_through(at.x - 1.5, at.y);
+        let beside = Ray64 { origin: view.eye, direction, t_min: view.near, t_max: 0.6 * at.depth };
+        probe.truth.closest(&beside).is_some()
+    }),
 };
 
 fn foreground_in_cell(pixels: f64) -> Result<Setup, TracerError> {
@@ -149,22 +125,13 @@ const LONG_FRAME: [u32; 2] = [6144, 24];
 pub(super) const LONG_RAYS: Case = Case {
     name: "long-rays",
     summary: "rays whose way on the image to a post is ever longer, at last longer than every budget of steps",
-    difficulty_parameter: DifficultyParameter {
-        name: "length",
-        unit: "pixels",
-        values: &[64.0, 200.0, 500.0, 2000.0, 5000.0],
-    },
+    difficulty_parameter: turned("length", "pixels", &[64.0, 200.0, 500.0, 2000.0, 5000.0]),
     make: long_rays,
-    feature: Feature {
-        what: "cross more than 4096 pixels before they hit",
-        least: 0.5,
-        has: |probe, index| {
-            let view = probe.view();
-            let ends =
-                view.project(probe.ray(index).origin).zip(probe.point(index).and_then(|point| view.project(point)));
-            ends.is_some_and(|(begin, end)| (end.x - begin.x).abs() > 4096.0)
-        },
-    },
+    feature: Feature::of("cross more than 4096 pixels before they hit", 0.5, |probe, index| {
+        let view = probe.view();
+        let ends = view.project(probe.ray(index).origin).zip(probe.point(index).and_then(|point| view.project(point)));
+        ends.is_some_and(|(begin, end)| (end.x - begin.x).abs() > 4096.0)
+    }),
 };
 
 fn long_rays(length: f64) -> Result<Setup, TracerError> {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
-use super::{Case, DifficultyParameter, Feature, Probe, Setup};
+use super::{Case, Feature, Probe, Setup, turned};
 
 /// Depth at which small things stand.
 const DEPTH: f64 = 4.0;
@@ -17,13 +17,9 @@ fn below_a_pixel(probe: &Probe<'_>, index: usize) -> bool {
 pub(super) const WIRES: Case = Case {
     name: "wires",
     summary: "slanted strips ever thinner than a pixel; rays from the eye between the frame's pixel centres",
-    difficulty_parameter: DifficultyParameter {
-        name: "width",
-        unit: "pixels",
-        values: &[4.0, 2.0, 1.0, 0.5, 0.2, 0.02],
-    },
+    difficulty_parameter: turned("width", "pixels", &[4.0, 2.0, 1.0, 0.5, 0.2, 0.02]),
     make: wires,
-    feature: Feature { what: "hit something thinner than half a pixel", least: 0.3, has: below_a_pixel },
+    feature: Feature::of("hit something thinner than half a pixel", 0.3, below_a_pixel),
 };
 
 fn wires(width: f64) -> Result<Setup, TracerError> {
@@ -50,9 +46,9 @@ fn wires(width: f64) -> Result<Setup, TracerError> {
 pub(super) const LEAVES: Case = Case {
     name: "leaves",
     summary: "triangles scattered in any pose, ever smaller than a pixel; half of the rays aim at one",
-    difficulty_parameter: DifficultyParameter { name: "edge", unit: "pixels", values: &[16.0, 4.0, 1.0, 0.5, 0.1] },
+    difficulty_parameter: turned("edge", "pixels", &[16.0, 4.0, 1.0, 0.5, 0.1]),
     make: leaves,
-    feature: Feature { what: "hit something smaller than half a pixel", least: 0.3, has: below_a_pixel },
+    feature: Feature::of("hit something smaller than half a pixel", 0.3, below_a_pixel),
 };
 
 fn leaves(edge: f64) -> Result<Setup, TracerError> {

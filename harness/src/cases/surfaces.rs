@@ -4,27 +4,19 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, RAYS, Sketch};
-use super::{Case, DifficultyParameter, Feature, Setup};
+use super::{Case, Feature, Setup, turned};
 
 pub(super) const EDGE_ON: Case = Case {
     name: "edge-on",
     summary: "a plate turned until it lies along the line of sight; rays cross it from the side",
-    difficulty_parameter: DifficultyParameter {
-        name: "slant",
-        unit: "degrees",
-        values: &[45.0, 80.0, 87.0, 89.0, 89.8, 89.98],
-    },
+    difficulty_parameter: turned("slant", "degrees", &[45.0, 80.0, 87.0, 89.0, 89.8, 89.98]),
     make: edge_on,
-    feature: Feature {
-        what: "hit a surface seen at less than a degree",
-        least: 0.3,
-        has: |probe, index| {
-            probe.hit(index).zip(probe.point(index)).is_some_and(|(hit, point)| {
-                let sampling_model = (point - probe.view().eye).normalize();
-                probe.truth.normal(hit.primitive).dot(sampling_model).abs() < 0.017
-            })
-        },
-    },
+    feature: Feature::of("hit a surface seen at less than a degree", 0.3, |probe, index| {
+        probe.hit(index).zip(probe.point(index)).is_some_and(|(hit, point)| {
+            let sampling_model = (point - probe.view().eye).normalize();
+            probe.truth.normal(hit.primitive).dot(sampling_model).abs() < 0.017
+        })
+    }),
 };
 
 fn edge_on(slant: f64) -> Result<Setup, TracerError> {
@@ -48,20 +40,16 @@ fn edge_on(slant: f64) -> Result<Setup, TracerError> {
 pub(super) const SHEETS: Case = Case {
     name: "close-sheets",
     summary: "two parallel sheets ever closer together; half of the rays start midway between them",
-    difficulty_parameter: DifficultyParameter {
-        name: "gap",
-        unit: "diagonals",
-        values: &[0.1, 0.01, 1e-3, 1e-4, 2e-5],
-    },
+    difficulty_parameter: turned("gap", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 2e-5]),
     make: sheets,
-    feature: Feature {
-        what: "hit a sheet with the other one closer than a thousandth of the diagonal",
-        least: 0.4,
-        has: |probe, index| {
+    feature: Feature::of(
+        "hit a sheet with the other one closer than a thousandth of the diagonal",
+        0.4,
+        |probe, index| {
             probe.hit(index).is_some_and(|hit| hit.t < 1e-3 * probe.truth.diagonal())
                 || probe.surfaces(index, 1e-3 * probe.truth.diagonal(), 2) == 2
         },
-    },
+    ),
 };
 
 fn sheets(gap: f64) -> Result<Setup, TracerError> {
@@ -93,19 +81,11 @@ fn sheets(gap: f64) -> Result<Setup, TracerError> {
 pub(super) const OPEN_MESH: Case = Case {
     name: "open-mesh",
     summary: "a sphere with triangles missing, seen through its holes: insides show, nothing is closed",
-    difficulty_parameter: DifficultyParameter {
-        name: "missing",
-        unit: "share of triangles",
-        values: &[0.05, 0.1, 0.25, 0.4, 0.6],
-    },
+    difficulty_parameter: turned("missing", "share of triangles", &[0.05, 0.1, 0.25, 0.4, 0.6]),
     make: open_mesh,
-    feature: Feature {
-        what: "hit the sphere from its inside",
-        least: 0.1,
-        has: |probe, index| {
-            probe.point(index).is_some_and(|point| (point - SPHERE).dot(probe.ray(index).direction) > 0.0)
-        },
-    },
+    feature: Feature::of("hit the sphere from its inside", 0.1, |probe, index| {
+        probe.point(index).is_some_and(|point| (point - SPHERE).dot(probe.ray(index).direction) > 0.0)
+    }),
 };
 
 const SPHERE: DVec3 = DVec3::new(0.0, 0.0, -2.6);
@@ -120,19 +100,11 @@ fn open_mesh(missing: f64) -> Result<Setup, TracerError> {
 pub(super) const HUGE: Case = Case {
     name: "huge-triangle",
     summary: "small pyramids on a floor of one triangle that is ever larger than what is seen of it",
-    difficulty_parameter: DifficultyParameter {
-        name: "edge",
-        unit: "eye heights",
-        values: &[10.0, 100.0, 1e3, 1e4, 1e5],
-    },
+    difficulty_parameter: turned("edge", "eye heights", &[10.0, 100.0, 1e3, 1e4, 1e5]),
     make: huge,
-    feature: Feature {
-        what: "hit a triangle a thousand times as large as it is far",
-        least: 0.2,
-        has: |probe, index| {
-            probe.hit(index).zip(probe.triangle(index)).is_some_and(|(hit, (longest, _))| longest > 1e3 * hit.t)
-        },
-    },
+    feature: Feature::of("hit a triangle a thousand times as large as it is far", 0.2, |probe, index| {
+        probe.hit(index).zip(probe.triangle(index)).is_some_and(|(hit, (longest, _))| longest > 1e3 * hit.t)
+    }),
 };
 
 fn huge(edge: f64) -> Result<Setup, TracerError> {
@@ -160,17 +132,11 @@ fn huge(edge: f64) -> Result<Setup, TracerError> {
 pub(super) const NEEDLES: Case = Case {
     name: "needles",
     summary: "a plate cut into ever thinner triangles; every other ray aims at an edge between two of them",
-    difficulty_parameter: DifficultyParameter {
-        name: "length",
-        unit: "widths",
-        values: &[8.0, 32.0, 128.0, 1024.0, 8192.0],
-    },
+    difficulty_parameter: turned("length", "widths", &[8.0, 32.0, 128.0, 1024.0, 8192.0]),
     make: needles,
-    feature: Feature {
-        what: "hit a triangle a thousand times as long as wide",
-        least: 0.5,
-        has: |probe, index| probe.triangle(index).is_some_and(|(longest, least)| longest > 1e3 * least),
-    },
+    feature: Feature::of("hit a triangle a thousand times as long as wide", 0.5, |probe, index| {
+        probe.triangle(index).is_some_and(|(longest, least)| longest > 1e3 * least)
+    }),
 };
 
 fn needles(length: f64) -> Result<Setup, TracerError> {
@@ -202,19 +168,15 @@ fn needles(length: f64) -> Result<Setup, TracerError> {
 pub(super) const COPLANAR: Case = Case {
     name: "coplanar-copies",
     summary: "the same plate many times over in one plane",
-    difficulty_parameter: DifficultyParameter { name: "copies", unit: "", values: &[1.0, 2.0, 4.0, 16.0, 64.0, 256.0] },
+    difficulty_parameter: turned("copies", "", &[1.0, 2.0, 4.0, 16.0, 64.0, 256.0]),
     make: coplanar,
-    feature: Feature {
-        what: "hit a triangle of which there are more than a hundred copies",
-        least: 0.3,
-        has: |probe, index| {
-            let geometry = probe.truth.geometry();
-            probe.hit(index).is_some_and(|hit| {
-                let same = |other: &u32| geometry.corners(*other) == geometry.corners(hit.primitive);
-                (0..geometry.triangles.len() as u32).filter(same).count() > 100
-            })
-        },
-    },
+    feature: Feature::of("hit a triangle of which there are more than a hundred copies", 0.3, |probe, index| {
+        let geometry = probe.truth.geometry();
+        probe.hit(index).is_some_and(|hit| {
+            let same = |other: &u32| geometry.corners(*other) == geometry.corners(hit.primitive);
+            (0..geometry.triangles.len() as u32).filter(same).count() > 100
+        })
+    }),
 };
 
 fn coplanar(copies: f64) -> Result<Setup, TracerError> {
@@ -228,17 +190,11 @@ fn coplanar(copies: f64) -> Result<Setup, TracerError> {
 pub(super) const FLAT_TILE: Case = Case {
     name: "flat-tile",
     summary: "a wall square to the view whose relief shrinks to nothing: tiles without any range of depth",
-    difficulty_parameter: DifficultyParameter {
-        name: "relief",
-        unit: "diagonals",
-        values: &[0.1, 0.01, 1e-4, 1e-6, 0.0],
-    },
+    difficulty_parameter: turned("relief", "diagonals", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
     make: flat_tile,
-    feature: Feature {
-        what: "hit the wall at its one depth",
-        least: 0.3,
-        has: |probe, index| probe.point(index).is_some_and(|point| point.z == -3.0 || (point.z + 3.0).abs() < 1e-6),
-    },
+    feature: Feature::of("hit the wall at its one depth", 0.3, |probe, index| {
+        probe.point(index).is_some_and(|point| point.z == -3.0 || (point.z + 3.0).abs() < 1e-6)
+    }),
 };
 
 fn flat_tile(relief: f64) -> Result<Setup, TracerError> {
