@@ -33,24 +33,18 @@ enum Kind {
     Tables,
 }
 
+/// As JSON, and in words.
+type Listed = (fn() -> Vec<Value>, fn() -> String);
+
 pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
-    let items = match arguments.what {
-        Kind::Tracers => tracers(),
-        Kind::Scenes => scenes(),
-        Kind::Rays => rays(),
-        Kind::Cases => cases(),
-        Kind::Tables => tables(),
+    let (items, text): Listed = match arguments.what {
+        Kind::Tracers => (tracers, || TRACERS.iter().map(|each| tracer_text(&(each.describe)())).collect()),
+        Kind::Scenes => (scenes, scenes_text),
+        Kind::Rays => (rays, rays_text),
+        Kind::Cases => (cases, || CASES.iter().map(case_text).collect()),
+        Kind::Tables => (tables, || Table::all().map(table_text).collect()),
     };
-    if arguments.json {
-        return print_json(&Value::Array(items));
-    }
-    print(&match arguments.what {
-        Kind::Tracers => TRACERS.iter().map(|registration| tracer_text(&(registration.describe)())).collect(),
-        Kind::Scenes => scenes_text(),
-        Kind::Rays => rays_text(),
-        Kind::Cases => CASES.iter().map(case_text).collect(),
-        Kind::Tables => Table::all().map(table_text).collect(),
-    })
+    if arguments.json { print_json(&Value::Array(items())) } else { print(&text()) }
 }
 
 fn tracers() -> Vec<Value> {
@@ -150,22 +144,17 @@ fn rays() -> Vec<Value> {
 
 fn cases() -> Vec<Value> {
     let item = |case: &Case| {
-        let difficulty_parameter = json!({ "name": case.difficulty_parameter.name, "unit": case.difficulty_parameter.unit, "values": case.difficulty_parameter.values });
-        json!({ "name": case.name, "summary": case.summary, "difficulty_parameter": difficulty_parameter })
+        let turned = &case.difficulty_parameter;
+        let turned = json!({ "name": turned.name, "unit": turned.unit, "values": turned.values });
+        json!({ "name": case.name, "summary": case.summary, "difficulty_parameter": turned })
     };
     CASES.iter().map(item).collect()
 }
 
 fn case_text(case: &Case) -> String {
-    let values: Vec<String> = case.difficulty_parameter.values.iter().map(f64::to_string).collect();
-    format!(
-        "{:<20} {}\n{:20} {}: {}\n",
-        case.name,
-        case.summary,
-        "",
-        case.difficulty_parameter.label(),
-        values.join(", ")
-    )
+    let Case { name, summary, difficulty_parameter, .. } = case;
+    let values = difficulty_parameter.values.iter().join(", ");
+    format!("{name:<20} {summary}\n{:20} {}: {values}\n", "", difficulty_parameter.label())
 }
 
 /// Labels of a table's rows, as `--tracer` takes them; each once, however many steps have it.

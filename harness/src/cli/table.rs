@@ -28,28 +28,21 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         return claims(paper, &arguments.from, arguments.work.output.out.as_deref());
     }
     let moving = table.is_moving();
-    if !moving && arguments.frames.is_some() {
-        return Err(CliError::Argument(format!("--frames: table {} is not over frames", table.name())));
-    }
-    if moving && arguments.work.common.animation_time != 0.0 {
-        return Err(CliError::Argument(format!("--animation-time: table {} is over whole animations", table.name())));
-    }
-    let frame_scene_sha256 = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
+    let is_walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
     let is_study = matches!(table, Table::Study(_));
-    if (frame_scene_sha256 || is_study) && arguments.work.common.view.is_some() {
-        let whence = if frame_scene_sha256 { "is along the camera's path" } else { "has viewpoints of its own" };
-        return Err(CliError::Argument(format!("--view: table {} {whence}", table.name())));
-    }
-    if !is_study && arguments.tracer.is_some() {
-        return Err(CliError::Argument(format!("--tracer: table {} has its own", table.name())));
-    }
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.few_rows;
-    if !matches!(table, Table::Paper(..)) && of_papers {
-        return Err(CliError::Argument(format!(
-            "--only, --tuned, --few-rows, --estimate: table {} is no paper's",
-            table.name()
-        )));
+    let common = &arguments.work.common;
+    let refused = [
+        (!moving && arguments.frames.is_some(), "--frames", "is not over frames"),
+        (moving && common.animation_time != 0.0, "--animation-time", "is over whole animations"),
+        (is_walked && common.view.is_some(), "--view", "is along the camera's path"),
+        (is_study && common.view.is_some(), "--view", "has viewpoints of its own"),
+        (!is_study && arguments.tracer.is_some(), "--tracer", "has its own"),
+        (!matches!(table, Table::Paper(..)) && of_papers, "--only, --tuned, --few-rows, --estimate", "is no paper's"),
+    ];
+    if let Some((_, options, why)) = refused.into_iter().find(|(is_refused, ..)| *is_refused) {
+        return Err(CliError::Argument(format!("{options}: table {} {why}", table.name())));
     }
     if let (Table::Paper(paper, experiment), Some(path)) = (table, &arguments.estimate) {
         return estimate(table, paper, experiment, arguments, path);
