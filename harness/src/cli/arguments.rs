@@ -1,6 +1,7 @@
 //! The arguments of `run`, `table` and `picture`, and the plan that they make.
 
 use std::ffi::{OsStr, OsString};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -104,12 +105,12 @@ pub(super) struct WorkArguments {
     pub samples: Option<u32>,
     /// Sample in whole rounds, at least 12, until every two tracers' ratio is known within so many percent; 15 if not given, but
     /// with --preset smoke.
-    #[arg(long, value_name = "PERCENT", value_parser = interval)]
+    #[arg(long, value_name = "PERCENT", value_parser = within(0.1..=1000.0, "a number of percent from 0.1 to 1000"))]
     pub ratio_precision: Option<f64>,
     /// The longest that an interleaved set (the builds, or one ray set, from one viewpoint) goes on for that, seconds; 20 if not given, but
     /// with
     /// --preset smoke.
-    #[arg(long, value_name = "SECONDS", value_parser = time_limit)]
+    #[arg(long, value_name = "SECONDS", value_parser = within(0.0..=86_400.0, "a number of seconds from 0 to 86400"))]
     pub time_limit: Option<f64>,
     /// Seed of the ray sets.
     #[arg(long, default_value_t = 1)]
@@ -154,10 +155,12 @@ pub(super) struct CommonArguments {
     #[arg(long, value_name = "NAME|POSE", allow_hyphen_values = true)]
     pub view: Option<String>,
     /// Animation time; scenes that do not move are the same at every time.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, allow_hyphen_values = true,
+          value_parser = within(f64::MIN..=f64::MAX, "a number of seconds"))]
     pub animation_time: f64,
     /// Factor on the triangles of procedural scenes, in place of the run preset's.
-    #[arg(long, value_name = "FACTOR", value_parser = scale)]
+    #[arg(long, value_name = "FACTOR",
+          value_parser = within(SCALE_MIN..=SCALE_MAX, format!("a number from {SCALE_MIN} to {SCALE_MAX}")))]
     pub scale: Option<f64>,
     /// A parameter on top of the preset: tracer.parameter=value, as in `list tracers`, or rays.parameter=value, as in
     /// `list rays`. May be repeated.
@@ -210,20 +213,13 @@ fn png_file(text: &str) -> Result<PathBuf, String> {
     is_png.then_some(path).ok_or_else(|| "a name that ends in .png: pictures are PNGs".to_owned())
 }
 
-fn interval(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|percent: &f64| (0.1..=1000.0).contains(percent));
-    found.ok_or_else(|| "a number of percent from 0.1 to 1000".to_owned())
-}
-
-fn time_limit(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|seconds: &f64| (0.0..=86_400.0).contains(seconds));
-    found.ok_or_else(|| "a number of seconds from 0 to 86400".to_owned())
-}
-
-fn scale(text: &str) -> Result<f64, String> {
-    let known = SCALE_MIN..=SCALE_MAX;
-    let found = text.parse().ok().filter(|scale: &f64| known.contains(scale));
-    found.ok_or_else(|| format!("a number from {SCALE_MIN} to {SCALE_MAX}"))
+/// Reads a number within a range, of which words say what it is.
+pub(super) fn within(
+    range: RangeInclusive<f64>,
+    words: impl Into<String>,
+) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    let words = words.into();
+    move |text| text.parse().ok().filter(|number| range.contains(number)).ok_or_else(|| words.clone())
 }
 
 fn frame(text: &str) -> Result<[u32; 2], String> {
@@ -244,10 +240,6 @@ fn ray_image(text: &str) -> Result<[u32; 2], String> {
 
 fn trace_to(text: &str) -> Result<TraceTo, String> {
     TraceTo::named(text).ok_or_else(|| "hit or surface".to_owned())
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|time: &f64| time.is_finite()).ok_or_else(|| "a number of seconds".to_owned())
 }
 
 impl CommonArguments {

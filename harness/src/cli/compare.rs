@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::CliError;
+use super::arguments::within;
 use super::output::{print, print_text};
 use crate::compare::{self, Comparison, DEFAULT_THRESHOLD};
 use crate::report;
@@ -20,17 +21,13 @@ pub(super) struct CompareArguments {
     #[arg(long)]
     json: bool,
     /// How much longer the slower must take to count, percent, beside being beyond noise.
-    #[arg(long, value_name = "PERCENT", default_value_t = DEFAULT_THRESHOLD * 100.0, value_parser = percent,
+    #[arg(long, value_name = "PERCENT", default_value_t = DEFAULT_THRESHOLD * 100.0,
+          value_parser = within(0.0..=1000.0, "a number of percent from 0 to 1000"),
           allow_hyphen_values = true)]
     threshold: f64,
     /// End with status 1 if something got slower or less accurate beyond noise, or if the runs have nothing in common.
     #[arg(long)]
     fail_on_regression: bool,
-}
-
-fn percent(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|percent: &f64| (0.0..=1000.0).contains(percent));
-    found.ok_or_else(|| "a number of percent from 0 to 1000".to_owned())
 }
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use clap::Args;
 use serde_json::json;
 
-use super::arguments::{Selection, WorkArguments};
+use super::arguments::{Selection, WorkArguments, within};
 use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
@@ -30,7 +30,8 @@ pub(super) struct ParetoArguments {
           value_parser = clap::value_parser!(u32).range(1..=MAX_POINTS as i64))]
     points: u32,
     /// Rays a pixel of which the time of a frame is told, with the build; several with commas.
-    #[arg(long, value_name = "K,K", value_delimiter = ',', value_parser = rays_per_pixel, default_values_t = RAYS_PER_PIXEL)]
+    #[arg(long, value_name = "K,K", value_delimiter = ',', default_values_t = RAYS_PER_PIXEL,
+          value_parser = within(0.001..=1e6, "a number of rays from 0.001 to 1000000"))]
     rays_per_pixel: Vec<f64>,
     #[command(flatten)]
     work: WorkArguments,
@@ -38,11 +39,6 @@ pub(super) struct ParetoArguments {
 
 /// More frames than these have no room on a page.
 const MAX_FRAMES: usize = 3;
-
-fn rays_per_pixel(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|rays: &f64| (0.001..=1e6).contains(rays));
-    found.ok_or_else(|| "a number of rays from 0.001 to 1000000".to_owned())
-}
 
 impl ParetoArguments {
     fn selection(&self) -> Result<Selection, CliError> {
