@@ -156,25 +156,15 @@ impl<'a> InterleavedSet<'a> {
             None => *self.session.viewpoint(),
         };
         let follows = request.and_then(|request| request.follows);
-        self.slots.push(StructureSlot {
-            config,
-            viewpoint,
-            follows,
-            builds: BuildSamples::default(),
-            statistics: BTreeMap::new(),
-        });
+        let (builds, statistics) = (BuildSamples::default(), BTreeMap::new());
+        self.slots.push(StructureSlot { config, viewpoint, follows, builds, statistics });
         self.join(request.map(|request| &request.tracer), control);
     }
 
     /// Lets another one trace the structure of the last stall.
     pub fn join(&mut self, request: Option<&TracerRequest>, control: Option<Control>) {
-        self.participants.push(Participant {
-            request: request.cloned(),
-            control,
-            slot: self.slots.len() - 1,
-            repeats: 1,
-            out: None,
-        });
+        let (request, slot) = (request.cloned(), self.slots.len() - 1);
+        self.participants.push(Participant { request, control, slot, repeats: 1, out: None });
     }
 
     /// Takes a participant out.
@@ -285,10 +275,8 @@ impl<'a> InterleavedSet<'a> {
 
     /// A stall in words: the first participant that traces it.
     pub(super) fn slot_label(&self, slot: usize) -> String {
-        self.participants
-            .iter()
-            .find(|participant| participant.slot == slot)
-            .map_or_else(String::new, Participant::label)
+        let tracing = self.participants.iter().find(|participant| participant.slot == slot);
+        tracing.map_or_else(String::new, Participant::label)
     }
 
     /// Stalls of configurations: controls build nothing that is worth a look.
@@ -298,10 +286,8 @@ impl<'a> InterleavedSet<'a> {
 
     /// The stalls of configurations that are in, once for each who traces them.
     pub(super) fn configs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.participants
-            .iter()
-            .filter(|participant| participant.control.is_none() && participant.out.is_none())
-            .map(|participant| participant.slot)
+        let is_in = |participant: &&Participant| participant.control.is_none() && participant.out.is_none();
+        self.participants.iter().filter(is_in).map(|participant| participant.slot)
     }
 
     /// Builds everything, or lets it follow the film, in rounds; then lets every structure be read back and checked.
@@ -329,12 +315,8 @@ impl<'a> InterleavedSet<'a> {
             }
         }
         bar.finish_and_clear();
-        interleaved_sets.extend(self.record(
-            BUILDS,
-            seed,
-            &rounds,
-            still.iter().map(|slot| self.slot_label(*slot)).collect(),
-        ));
+        let participants = still.iter().map(|slot| self.slot_label(*slot)).collect();
+        interleaved_sets.extend(self.record(BUILDS, seed, &rounds, participants));
         if self.options.validated {
             self.validate();
         }

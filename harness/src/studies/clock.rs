@@ -233,19 +233,11 @@ impl ClockRecord {
         let (tracer, rays) = (&self.tracer, &self.rays);
         match &self.found {
             ClockFound::InterleavedSets(found) => {
-                let InterleavedSetsFound {
-                    count,
-                    rounds: [least, most],
-                    load_threads,
-                    slowed_by_percent,
-                    equal,
-                    slowed,
-                } = found;
+                let InterleavedSetsFound { count, rounds: [least, most], load_threads, slowed_by_percent, .. } = found;
+                let [equal, slowed] = [&found.equal, &found.slowed].map(Tally::describe);
                 format!(
                     "{tracer}: {count} interleaved sets of {least} to {most} rounds, {load_threads} threads of another job beside\n  \
-                     equal: {}\n  slowed by {slowed_by_percent:.1} %: {}\n",
-                    equal.describe(),
-                    slowed.describe(),
+                     equal: {equal}\n  slowed by {slowed_by_percent:.1} %: {slowed}\n"
                 )
             }
             ClockFound::FreshRays(FreshFound { seeds, rounds, fresh_over_repeated, interval, said }) => {

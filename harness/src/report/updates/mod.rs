@@ -11,7 +11,7 @@ use crate::report::metrics::{SPEED, STRUCTURE};
 use crate::report::sheet::{Cell, Sheet, Table};
 use crate::report::tables::Placed;
 use crate::report::{Report, cells, metrics, peers, rows, summary};
-use crate::results::{FRESH_BUILD, Record, Row, SceneFollowed, Times, TraceRecord, UpdatesRecord, time_ratio};
+use crate::results::{FRESH_BUILD, Record, Row, SceneFollowed, TraceRecord, UpdatesRecord, time_ratio};
 use itertools::Itertools as _;
 
 /// The statistic of structures that tells their quality, by its name in `validate`.
@@ -58,11 +58,6 @@ fn sah_cost(row: &Row) -> Option<f64> {
     row.structure_statistics.get(SAH_COST).copied()
 }
 
-/// Own over fresh, by the rule of clocks.
-fn over_fresh(own: &Times, fresh: Option<&Times>) -> Option<f64> {
-    time_ratio(own, fresh?)
-}
-
 /// The title, and where it was measured.
 fn head(record: &Record, title: &str) -> Document {
     let smoke = if record.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
@@ -107,14 +102,14 @@ impl TableRow<'_> {
     /// How many times as fast the trace is as that of a fresh build.
     fn speed_over_fresh(&self) -> Option<f64> {
         let fresh = fresh_of(self.scene, self.row)?;
-        let beside = trace_of(fresh, &self.trace.rays, &self.trace.rays_sha256);
-        over_fresh(&self.trace.times, beside.map(|fresh| &fresh.times)).map(|slower| 1.0 / slower)
+        let beside = trace_of(fresh, &self.trace.rays, &self.trace.rays_sha256)?;
+        time_ratio(&self.trace.times, &beside.times).map(|slower| 1.0 / slower)
     }
 }
 
 /// What its last update took over the time of a fresh build.
 fn time_over_fresh(row: &Row, fresh: Option<&Row>) -> Option<Cell> {
-    over_fresh(row.build.first(), fresh.map(|fresh| fresh.build.first())).map(|ratio| Cell::Number(ratio, 3))
+    time_ratio(row.build.first(), fresh?.build.first()).map(|ratio| Cell::Number(ratio, 3))
 }
 
 fn cost_over_fresh(row: &Row, fresh: Option<&Row>) -> Option<f64> {
