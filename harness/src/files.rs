@@ -19,54 +19,26 @@ const MAX_NAMES: usize = 12;
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     /// A folder cannot be made, or nothing can be written into it.
-    #[error("cannot write to the output folder {}: {source}; choose another with --out", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    #[error("cannot write to the output folder {path}: {1}; choose another with --out", path = .0.display())]
+    Folder(PathBuf, #[source] io::Error),
     /// A file cannot be written.
-    #[error("cannot write {}: {source}; check that the folder may be written and the disk is not full", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// Files of somebody else lie where others are to be written.
+    #[error("cannot write {path}: {1}; check that the folder may be written and the disk is not full", path = .0.display())]
+    Write(PathBuf, #[source] io::Error),
+    /// Files of somebody else lie in a folder where others are to be written, each with the reason.
     #[error(
-        "{} holds what tracebench did not write there or what was changed since: {}; it stays as it is: move it away, or choose another place",
-        folder.display(), some(names)
+        "{path} holds what tracebench did not write there or what was changed since: {names}; it stays as it is: move it away, or choose another place",
+        path = .0.display(), names = some(.1)
     )]
-    InTheWay {
-        /// The folder.
-        folder: PathBuf,
-        /// The files, with the reason.
-        names: Vec<String>,
-    },
-    /// Another process is at it.
-    #[error("another process writes into {}; wait for it, or choose another folder", path.display())]
-    Busy {
-        /// The folder.
-        path: PathBuf,
-    },
+    InTheWay(PathBuf, Vec<String>),
+    /// Another process is at a folder.
+    #[error("another process writes into {path}; wait for it, or choose another folder", path = .0.display())]
+    Busy(PathBuf),
     /// What has the name of a list is none.
-    #[error("{} is no list of files that tracebench wrote: {source}; move it away, or choose another folder", path.display())]
-    NoList {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        source: io::Error,
-    },
+    #[error("{path} is no list of files that tracebench wrote: {1}; move it away, or choose another folder", path = .0.display())]
+    NoList(PathBuf, #[source] io::Error),
     /// A file's contents cannot be made.
-    #[error("cannot make {what}: {source}")]
-    Json {
-        /// The file's name.
-        what: String,
-        /// Why.
-        source: serde_json::Error,
-    },
+    #[error("cannot make {0}: {1}")]
+    Json(String, #[source] serde_json::Error),
 }
 
 fn some(names: &[String]) -> String {
@@ -98,7 +70,7 @@ pub(crate) fn edit(path: &Path, contents: &[u8]) -> Result<(), FileError> {
         file.write_all(contents)?;
         file.persist(path).map(drop).map_err(|error| error.error)
     };
-    edit().map_err(|source| FileError::Write { path: path.to_owned(), source })
+    edit().map_err(|source| FileError::Write(path.to_owned(), source))
 }
 
 /// A temporary file in a folder: a rename does not cross file systems.
@@ -112,7 +84,7 @@ fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 /// the message.
 pub(crate) fn json(what: &str, document: &impl serde::Serialize) -> Result<Vec<u8>, FileError> {
     let made = serde_json::to_vec(document);
-    let mut json = made.map_err(|source| FileError::Json { what: what.to_owned(), source })?;
+    let mut json = made.map_err(|source| FileError::Json(what.to_owned(), source))?;
     json.push(b'\n');
     Ok(json)
 }

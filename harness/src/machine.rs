@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use tracebench_api::{AdapterInfo, DeviceLimits, Gpu, Rasterizer};
 
 /// The machine.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// Processor.
     pub cpu: String,

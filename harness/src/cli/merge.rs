@@ -39,7 +39,7 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
         Ok(record) => {
             record.provenance.shard.is_none() && record.provenance.plan_sha256 == whole.provenance.plan_sha256
         }
-        Err(ReportError::Missing { .. }) => !Journal::is_in(folder.path()),
+        Err(ReportError::Missing(..)) => !Journal::is_in(folder.path()),
         Err(_) => false,
     };
     if !is_same {

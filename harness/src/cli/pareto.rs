@@ -65,7 +65,7 @@ pub(super) fn pareto(arguments: &ParetoArguments, progress: &Progress) -> Result
     let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
     // By the launch settings and the preset that it has here.
     let pareto = Pareto::new(&work.plan, &extent).map_err(refused).inspect_err(|_| work.bench.out.abandon())?;
-    progress.say(&format!("{} points", pareto.len()));
+    progress.say(&format!("{} points", pareto.size()));
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let words = json!({ "max_points": extent.max_points, "rays_per_pixel": extent.rays_per_pixel });
     let plan = described("pareto", std::slice::from_ref(&work.plan), words);
@@ -90,7 +90,7 @@ mod tests {
         let extent = line.pareto.extent().map_err(|error| error.to_string())?;
         let plan = line.pareto.selection().and_then(|selection| line.pareto.work.plan(selection, || false));
         let pareto = Pareto::new(&plan.map_err(|error| error.to_string())?, &extent);
-        Ok((extent, pareto.map_err(|error| error.to_string())?.len()))
+        Ok((extent, pareto.map_err(|error| error.to_string())?.size()))
     }
 
     /// Proves that every tracer is there where none is named, that no tracer has more points than are asked for, and that what makes no

@@ -234,7 +234,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
         work.bench.out.abandon();
         refused(&error, option)
     })?;
-    progress.say(&format!("{} points", sweep.len()));
+    progress.say(&format!("{} points", sweep.size()));
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
     work.bench.measure(&plan, progress, |context| sweep.execute(required, context))?;

@@ -231,9 +231,8 @@ impl<'a> Bench<'a> {
         // Held until the work is done.
         let _turn = (self.clock == Clock::Timed).then(wait_for_turn);
         let cache = Cache::of_user();
-        let context = Context::new(&self.device, &cache, progress, &journal)
-            .of_shard(shard)
-            .with_launch_settings(self.launch.clone());
+        let mut context = Context::new(&self.device, &cache, progress, &journal);
+        (context.shard, context.launch) = (shard, self.launch.clone());
         let mut record = work(&context).inspect_err(|error| {
             // Where nothing could run there is nothing to go on with.
             if matches!(error, RunError::Nothing(_)) {
@@ -262,7 +261,7 @@ impl<'a> Bench<'a> {
     /// The record of a complete run that is to be gone on with; `None` where there is no record.
     fn complete(&self, plan_sha256: &str) -> Result<Option<Record>, CliError> {
         let record = match report::read_run(self.out.path()) {
-            Err(ReportError::Missing { .. }) => return Ok(None),
+            Err(ReportError::Missing(..)) => return Ok(None),
             record => record?,
         };
         let Provenance { started, commit, shard, plan_sha256: own, .. } = &record.provenance;
@@ -326,10 +325,10 @@ pub(super) fn refuse_another(out: &Path, own: Option<&str>) -> Result<(), CliErr
         Ok(record) if own == Some(record.verb()) => return Ok(()),
         Ok(record) => format!("what `{}` measured", record.verb()),
         // The journal itself says whose work it is.
-        Err(ReportError::Missing { .. }) if own.is_none() && Journal::is_in(out) => {
+        Err(ReportError::Missing(..)) if own.is_none() && Journal::is_in(out) => {
             "a record that was broken off".to_owned()
         }
-        Err(ReportError::Missing { .. }) => return Ok(()),
+        Err(ReportError::Missing(..)) => return Ok(()),
         Err(_) => format!("a {}", report::RUN_FILE),
     };
     Err(CliError::Argument(format!("{} holds {what}: choose another folder with --out", out.display())))

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::results::{Classes, ClosestJudgement, Judgement, Occlusion};
+use crate::results::{Accuracy as Right, AnyJudgement, Judgement};
 
 /// Which way an accuracy moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -37,67 +37,33 @@ pub struct Accuracy {
     pub shift: Shift,
 }
 
-/// What an accuracy of one run is made of.
-struct Score {
-    rule: &'static str,
-    share: Option<f64>,
-    interval: Option<[f64; 2]>,
-    wrong: u64,
-    rays: u64,
-}
-
 impl Accuracy {
     /// By every rule; nothing for verdicts on different queries.
     pub(super) fn of_both(a: &Judgement, b: &Judgement) -> Vec<Self> {
-        let (a, b) = (scores(a), scores(b));
-        let both = a.into_iter().zip(b).filter(|(a, b)| a.rule == b.rule);
-        both.map(|(a, b)| Self::of(&a, &b)).collect()
+        let (rules, rays): (&[_], _) = match (a, b) {
+            (Judgement::Closest(a), Judgement::Closest(_)) => {
+                (&["hit_miss", "tight", "footprint"], a.classes.tight.all())
+            }
+            (Judgement::Any(AnyJudgement { occlusion: a, .. }), Judgement::Any(_)) => {
+                let rays = a.true_occluded + a.true_free + a.false_occluded + a.false_free;
+                (&["balanced accuracy"], rays)
+            }
+            _ => return Vec::new(),
+        };
+        let both = a.accuracies(rays).into_iter().zip(b.accuracies(rays));
+        rules.iter().zip(both).map(|(rule, (a, b))| Self::of(rule, &a, &b)).collect()
     }
 
-    fn of(a: &Score, b: &Score) -> Self {
-        let shift = match (a.interval.zip(a.share), b.interval.zip(b.share)) {
+    fn of(rule: &'static str, a: &Right, b: &Right) -> Self {
+        // A share that says nothing is none.
+        let share = |of: &Right| of.share.filter(|_| of.one_sided.is_none());
+        let shift = match (a.interval.zip(share(a)), b.interval.zip(share(b))) {
             (Some((_, one)), Some((_, other))) if one == other && a.wrong == b.wrong => Shift::Same,
             (Some(([_, high], _)), Some(([low, _], _))) if low > high => Shift::Better,
             (Some(([low, _], _)), Some(([_, high], _))) if high < low => Shift::Worse,
             (None, None) if a.wrong == b.wrong => Shift::Same,
             _ => Shift::Within,
         };
-        Self { rule: a.rule, a: a.share, b: b.share, a_wrong: a.wrong, b_wrong: b.wrong, rays: a.rays, shift }
+        Self { rule, a: share(a), b: share(b), a_wrong: a.wrong, b_wrong: b.wrong, rays: a.trials, shift }
     }
-}
-
-fn scores(judgement: &Judgement) -> Vec<Score> {
-    let of_all = scores_of(judgement).into_iter();
-    // A share that says nothing is none.
-    of_all.map(|score| Score { share: score.share.filter(|_| judgement.one_sided().is_none()), ..score }).collect()
-}
-
-fn scores_of(judgement: &Judgement) -> Vec<Score> {
-    match judgement {
-        Judgement::Closest(closest) => closest_scores(closest),
-        Judgement::Any(any) => {
-            let Occlusion { true_occluded, true_free, false_occluded, false_free, .. } = any.occlusion;
-            let wrong = false_occluded + false_free;
-            vec![Score {
-                rule: "balanced accuracy",
-                share: any.occlusion.balanced_accuracy,
-                interval: any.occlusion.balanced_accuracy_interval,
-                wrong,
-                rays: true_occluded + true_free + wrong,
-            }]
-        }
-    }
-}
-
-fn closest_scores(closest: &ClosestJudgement) -> Vec<Score> {
-    let ClosestJudgement { classes, agreement, interval, .. } = closest;
-    let hit_or_miss = |classes: &Classes| classes.false_hit + classes.false_miss;
-    let all = |classes: &Classes| hit_or_miss(classes) + classes.early + classes.late;
-    let rays = all(&classes.tight) + classes.tight.true_hit + classes.tight.true_miss;
-    let score = |rule, share, interval, wrong| Score { rule, share, interval, wrong, rays };
-    vec![
-        score("hit_miss", agreement.hit_miss, interval.hit_miss, hit_or_miss(&classes.tight)),
-        score("tight", agreement.tight, interval.tight, all(&classes.tight)),
-        score("footprint", agreement.footprint, interval.footprint, all(&classes.footprint)),
-    ]
 }

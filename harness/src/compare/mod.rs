@@ -15,9 +15,9 @@ use tracebench_api::ClockKind;
 pub use accuracy::{Accuracy, Shift};
 
 use crate::results::{
-    COVERAGE, Caveat, MAX_CHANGE, MIN_ROUNDS, Movement, Ratio, Record, Row, Times, TraceRecord, same_rays, same_work,
+    COVERAGE, Caveat, MIN_ROUNDS, Movement, Ratio, Record, Row, Times, TraceRecord, kernels_changed, same_rays,
+    same_work,
 };
-use crate::statistics::median;
 
 /// The schema of a comparison as JSON.
 pub const SCHEMA: u32 = 1;
@@ -279,17 +279,8 @@ fn caveat(a: (&Record, &Times), b: (&Record, &Times)) -> Option<Caveat> {
     let invalid = [a.1, b.1].iter().find_map(|times| times.invalid.clone());
     let fewest = a.1.samples_ms.len().min(b.1.samples_ms.len());
     let interleaved_sets = [a, b].map(|(record, times)| record.interleaved_set(times));
-    let kernels = |place: usize| {
-        interleaved_sets[place].iter().flat_map(|interleaved_set| &interleaved_set.kernels).collect::<Vec<_>>()
-    };
-    let changed = kernels(0).iter().any(|kernel| {
-        let others = kernels(1);
-        let mut same = others.iter().filter(|other| (other.clock, other.tasks) == (kernel.clock, kernel.tasks));
-        same.any(|other| {
-            let change = median(&kernel.samples_ms) / median(&other.samples_ms);
-            change.max(1.0 / change) > 1.0 + MAX_CHANGE
-        })
-    });
+    let [one, other] = interleaved_sets.map(Vec::from_iter);
+    let changed = kernels_changed(&one, &other);
     match () {
         () if invalid.is_some() => invalid.map(Caveat::Void),
         () if fewest < MIN_ROUNDS as usize => Some(Caveat::FewRounds(fewest)),

@@ -41,7 +41,7 @@ impl OutputFolder {
     /// If it cannot be written, another process writes into it, or its list is none.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-        let fail = |source| FileError::Folder { path: path.to_owned(), source };
+        let fail = |source| FileError::Folder(path.to_owned(), source);
         let missing = |part: &&Path| !part.as_os_str().is_empty() && !part.exists();
         let made: Vec<PathBuf> = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         let writable = fs::create_dir_all(path).and_then(|()| temporary(path)).map(drop).map_err(fail);
@@ -73,7 +73,7 @@ impl OutputFolder {
 
     /// The folder of a single file, which must be there, and the file's name.
     pub(crate) fn of_file(path: &Path) -> Result<(Self, String), FileError> {
-        let fail = |source| FileError::Write { path: path.to_owned(), source };
+        let fail = |source| FileError::Write(path.to_owned(), source);
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::read_dir(folder).map_err(fail)?;
         let name = path.file_name().and_then(|name| name.to_str()).filter(|name| is_below(name));
@@ -109,7 +109,7 @@ impl OutputFolder {
 
     /// Refuses a folder with files in the way of what may be written, before there is anything to write.
     pub(crate) fn check_all(&self, may_be_written: impl Fn(&str) -> bool) -> Result<(), FileError> {
-        let fail = |source| FileError::Folder { path: self.path.clone(), source };
+        let fail = |source| FileError::Folder(self.path.clone(), source);
         let found = |name: &str| self.path.join(name).symlink_metadata().ok();
         let listed = self.listed();
         // What was changed further below would be found out when all else is measured.
@@ -158,10 +158,10 @@ impl OutputFolder {
         }
         // Before the files that it names.
         let listed = self.list().file.write_all(lines.as_bytes());
-        listed.map_err(|source| FileError::Write { path: self.path.join(LIST), source })?;
+        listed.map_err(|source| FileError::Write(self.path.join(LIST), source))?;
         for (name, contents, sha256, is_new) in open {
             let path = self.path.join(name);
-            self.put(&path, contents, is_new).map_err(|source| FileError::Write { path, source })?;
+            self.put(&path, contents, is_new).map_err(|source| FileError::Write(path, source))?;
             self.list().hashes.insert(name.to_owned(), vec![sha256]);
         }
         self.refuse(in_the_way)?;
@@ -182,7 +182,7 @@ impl OutputFolder {
     /// # Errors
     /// If anything else is there, which stays, or another process writes there.
     pub fn remove_all(path: &Path) -> Result<(), FileError> {
-        let fail = |source| FileError::Folder { path: path.to_owned(), source };
+        let fail = |source| FileError::Folder(path.to_owned(), source);
         let has_list = |path: &Path| path.join(LIST).symlink_metadata().is_ok();
         if has_list(path) {
             let folder = Self::open(path)?;
@@ -198,7 +198,7 @@ impl OutputFolder {
         }
         match others.is_empty() {
             true => fs::remove_dir(path).map_err(fail),
-            false => Err(FileError::InTheWay { folder: path.to_owned(), names: others }),
+            false => Err(FileError::InTheWay(path.to_owned(), others)),
         }
     }
 
@@ -215,7 +215,7 @@ impl OutputFolder {
     fn refuse(&self, names: Vec<String>) -> Result<(), FileError> {
         match names.is_empty() {
             true => Ok(()),
-            false => Err(FileError::InTheWay { folder: self.path.clone(), names }),
+            false => Err(FileError::InTheWay(self.path.clone(), names)),
         }
     }
 
@@ -293,7 +293,7 @@ impl List {
     /// Opens and locks the list of a folder, and begins it if there is none.
     fn open(folder: &Path) -> Result<Self, FileError> {
         let path = folder.join(LIST);
-        let fail = |source| FileError::NoList { path: path.clone(), source };
+        let fail = |source| FileError::NoList(path.clone(), source);
         let begun = Instant::now();
         loop {
             let opened = match path.symlink_metadata() {
@@ -313,7 +313,7 @@ impl List {
                 Err(error) => return Err(fail(error)),
                 Ok(file) => match file.try_lock() {
                     Err(TryLockError::WouldBlock) if is_patient => {}
-                    Err(TryLockError::WouldBlock) => return Err(FileError::Busy { path: folder.to_owned() }),
+                    Err(TryLockError::WouldBlock) => return Err(FileError::Busy(folder.to_owned())),
                     // Replaced by another process just now.
                     _ if is_patient && !is_at(&file, &path) => {}
                     // A file system without locks keeps nobody out.

@@ -109,7 +109,7 @@ fn links_are_not_followed() {
     assert!(["summary.md", "pictures", "run.json"].iter().all(|name| folder.path().join(name).is_symlink()));
     let other = TempDir::new().unwrap();
     symlink(elsewhere.path().join("list"), other.path().join(LIST)).unwrap();
-    assert!(matches!(OutputFolder::open(other.path()), Err(FileError::NoList { .. })));
+    assert!(matches!(OutputFolder::open(other.path()), Err(FileError::NoList(..))));
     assert_eq!(names(elsewhere.path()).len(), 1);
 }
 
@@ -135,7 +135,7 @@ fn strange_lists_are_refused() {
     ] {
         fs::write(folder.path().join(LIST), &text).unwrap();
         let error = OutputFolder::open(folder.path()).map(drop).unwrap_err();
-        assert!(matches!(error, FileError::NoList { .. }), "{text}: {error}");
+        assert!(matches!(error, FileError::NoList(..)), "{text}: {error}");
         assert_eq!(list_of(&folder), text);
     }
     fs::write(folder.path().join(LIST), sound).unwrap();
@@ -149,7 +149,7 @@ fn a_folder_has_one_writer() {
     let below = folder.path().join("a/b");
     let first = OutputFolder::open(&below).unwrap();
     assert!(OutputFolder::is_busy(&below));
-    assert!(matches!(OutputFolder::open(&below), Err(FileError::Busy { .. })));
+    assert!(matches!(OutputFolder::open(&below), Err(FileError::Busy(..))));
     first.write("one", b"1").unwrap();
     first.remove("one");
     // The list goes, and is made anew by whoever comes next.
@@ -215,7 +215,7 @@ fn folders_are_removed_by_their_lists() {
         fs::create_dir_all(theirs.parent().unwrap()).unwrap();
         fs::write(&theirs, "mine").unwrap();
         let error = OutputFolder::remove_all(&all).unwrap_err();
-        assert!(matches!(error, FileError::InTheWay { .. }), "{error}");
+        assert!(matches!(error, FileError::InTheWay(..)), "{error}");
         assert_eq!(fs::read_to_string(&theirs).unwrap(), "mine");
         fs::remove_dir_all(&all).unwrap();
     }

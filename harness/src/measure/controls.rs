@@ -219,9 +219,7 @@ impl Answering {
             (Control::Oracle | Control::Corrupted, Some(truth)) => hit(truth.t as f32, truth.primitive),
         }
     }
-}
 
-impl Answering {
     /// The surface that goes with an answer: the oracle's is computed in f64, the others know none.
     fn surface(&self, ray: &Ray, truth: &Answer, hit: &Hit) -> Surface {
         match (self.control, truth.hit, &self.geometry) {

@@ -25,31 +25,15 @@ pub enum JournalError {
     /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Something else was begun there.
-    #[error("{} holds a run that was begun {what}; finish it as it was begun, or choose another folder", path.display())]
-    Other {
-        /// The folder.
-        path: PathBuf,
-        /// What differs.
-        what: String,
-    },
-    /// The plan of what was begun cannot be read.
-    #[error("{} cannot be read ({reason}): what was begun there cannot be gone on with; remove its folder", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// A run that was broken off is in the way.
-    #[error(
-        "{} holds a run that was broken off; go on with it by --resume, choose another folder, or remove its {FOLDER}",
-        path.display()
-    )]
-    InTheWay {
-        /// The folder.
-        path: PathBuf,
-    },
+    /// Something else was begun in a folder: what differs.
+    #[error("{path} holds a run that was begun {1}; finish it as it was begun, or choose another folder", path = .0.display())]
+    Other(PathBuf, String),
+    /// The plan of what was begun cannot be read from its file, and why.
+    #[error("{path} cannot be read ({1}): what was begun there cannot be gone on with; remove its folder", path = .0.display())]
+    Unreadable(PathBuf, String),
+    /// A run that was broken off is in the way in a folder.
+    #[error("{path} holds a run that was broken off; go on with it by --resume, choose another folder, or remove its {FOLDER}", path = .0.display())]
+    InTheWay(PathBuf),
 }
 
 /// Who began what, and where.
@@ -110,7 +94,7 @@ impl Journal {
         launch: Option<&LaunchRecord>,
     ) -> Result<Self, JournalError> {
         if Self::is_in(results.path()) {
-            return Err(JournalError::InTheWay { path: results.path().to_owned() });
+            return Err(JournalError::InTheWay(results.path().to_owned()));
         }
         // Interleaved sets without a plan are left of nothing that could be gone on with.
         Self::take_away(results);
@@ -127,12 +111,12 @@ impl Journal {
     pub fn resume(results: &Arc<OutputFolder>, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
         let read = |name: &str| {
             let path = results.path().join(name);
-            fs::read(&path).map_err(|error| JournalError::Unreadable { path, reason: error.to_string() })
+            fs::read(&path).map_err(|error| JournalError::Unreadable(path, error.to_string()))
         };
         let mut begun: Begun = serde_json::from_slice(&read(PLAN)?)
-            .map_err(|error| JournalError::Unreadable { path: results.path().join(PLAN), reason: error.to_string() })?;
+            .map_err(|error| JournalError::Unreadable(results.path().join(PLAN), error.to_string()))?;
         let now = Begun::now(plan, machine);
-        let other = |what: &str| JournalError::Other { path: results.path().to_owned(), what: what.to_owned() };
+        let other = |what: &str| JournalError::Other(results.path().to_owned(), what.to_owned());
         if begun.plan != now.plan {
             return Err(other(&format!("with another plan ({})", first_difference(&begun.plan, &now.plan, ""))));
         }
@@ -171,7 +155,7 @@ impl Journal {
     /// The error of a scene that is another one now.
     pub(super) fn other_scene(&self, name: &str) -> JournalError {
         let path = self.results().map(OutputFolder::path).unwrap_or(Path::new("")).to_owned();
-        JournalError::Other { path, what: format!("with another scene of the name {name}") }
+        JournalError::Other(path, format!("with another scene of the name {name}"))
     }
 
     /// When the run was begun and gone on with.

@@ -29,7 +29,7 @@ pub use journal::{Journal, JournalError};
 pub use resident_batch::MAX_RESIDENT;
 pub(crate) use resident_batch::measure;
 pub use run::{Context, execute, execute_all};
-pub(crate) use run::{add, begin, empty, measure_film, measure_scene, nothing, refuse};
+pub(crate) use run::{add, begin, empty, measure_scene, nothing, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;
 pub use tracer_config::{BuildSample, TracerCache, TracerConfig};
@@ -46,34 +46,15 @@ pub enum RunError {
     /// A scene could not be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The scene has no such camera.
-    #[error("--view: scene {scene} has no viewpoint '{name}'; there are: {known}. Nor is it a pose: {error}")]
-    UnknownView {
-        /// The scene.
-        scene: String,
-        /// The name given.
-        name: String,
-        /// Why it is no pose.
-        error: PoseError,
-        /// The names that exist.
-        known: String,
-    },
-    /// The scene cannot be seen from elsewhere.
-    #[error("scene {scene} has no other viewpoint than '{own}': nothing is seen from anywhere that the rule finds")]
-    NoOtherView {
-        /// The scene.
-        scene: String,
-        /// The own viewpoint.
-        own: String,
-    },
+    /// The scene has no such camera; why the name given is no pose, and the names that exist.
+    #[error("--view: scene {0} has no viewpoint '{1}'; there are: {3}. Nor is it a pose: {2}")]
+    UnknownView(String, String, PoseError, String),
+    /// The scene cannot be seen from elsewhere than its own viewpoint.
+    #[error("scene {0} has no other viewpoint than '{1}': nothing is seen from anywhere that the rule finds")]
+    NoOtherView(String, String),
     /// A tracer that was asked for by name cannot do it.
-    #[error("{tracer}: {error}")]
-    Tracer {
-        /// The tracer.
-        tracer: String,
-        /// What it says.
-        error: TracerError,
-    },
+    #[error("{0}: {1}")]
+    Tracer(String, TracerError),
     /// The device cannot hold scene or rays, or failed.
     #[error(transparent)]
     Device(#[from] TracerError),
@@ -99,7 +80,7 @@ impl RunError {
     pub fn is_argument(&self) -> bool {
         match self {
             Self::Scene(error) => error.is_argument(),
-            Self::UnknownView { .. } => true,
+            Self::UnknownView(..) => true,
             _ => false,
         }
     }

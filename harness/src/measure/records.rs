@@ -28,31 +28,17 @@ fn counter_record(counter: &Counter, rays: usize) -> (String, CounterRecord) {
     (counter.name.to_owned(), record)
 }
 
-/// What was found out about one ray set.
-pub(crate) struct Traced<'a> {
-    /// The set.
-    pub rays: &'a PreparedRays,
-    /// Its counted samples.
-    pub timings: &'a [Timing],
-    /// Whether the timestamps of its interleaved set are believed.
-    pub believed: bool,
-    /// The answers that were judged.
-    pub hits: &'a [Hit],
-    /// The counts.
-    pub counters: &'a [Counter],
-    /// The trace's own buffers.
-    pub trace_memory: Vec<MemoryEntry>,
-    /// How far they went.
-    pub trace_to: TraceTo,
-    /// The verdict.
-    pub judgement: Judgement,
-    /// The verdict on surfaces.
-    pub surfaces: Option<SurfaceJudgement>,
-}
-
-pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
-    let Traced { rays, timings, believed, hits, counters, trace_memory, trace_to, judgement, surfaces } = traced;
-    let times = times(timings, believed);
+/// What a configuration answered to one ray set: its times, the answers that were judged, the counts, the trace's own buffers, how far it
+/// went, and the verdicts on hits and surfaces.
+pub(crate) fn trace_record(
+    rays: &PreparedRays,
+    times: Times,
+    hits: &[Hit],
+    counters: &[Counter],
+    trace_memory: Vec<MemoryEntry>,
+    trace_to: TraceTo,
+    (judgement, surfaces): (Judgement, Option<SurfaceJudgement>),
+) -> TraceRecord {
     let mut statuses = BTreeMap::new();
     for hit in hits {
         let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
@@ -67,7 +53,11 @@ pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
         trace_to,
         per_trace_bytes: per_trace.iter().map(|entry| entry.allocated_bytes).sum(),
         per_trace,
-        mrays_per_s: if timings.is_empty() { 0.0 } else { hits.len() as f64 / times.median_ms.max(MIN_MS) / 1e3 },
+        mrays_per_s: if times.samples_ms.is_empty() {
+            0.0
+        } else {
+            hits.len() as f64 / times.median_ms.max(MIN_MS) / 1e3
+        },
         times,
         hits_sha256: crate::hash::sha256_of(hits),
         same_as_first: None,

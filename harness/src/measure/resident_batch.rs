@@ -78,14 +78,9 @@ pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Mea
     let mut found = Measured {
         scene: here.head.scene.clone(),
         viewpoint: here.head.viewpoint.clone(),
-        controls: Vec::new(),
-        rows: Vec::new(),
-        anchors: Vec::new(),
-        interleaved_sets: Vec::new(),
         skipped: here.head.skipped.clone(),
         told: here.head.told.clone(),
-        hooked: Vec::new(),
-        invalid: None,
+        ..Measured::default()
     };
     let mut rows: Vec<Option<Result<Row, Refusal>>> = place.requests.iter().map(|_| None).collect();
     // A resident batch's stalls, and whether the first of them is there as the anchor.
@@ -252,7 +247,7 @@ impl<'a> Here<'a> {
                 Err(error)
                     if request.tracer.required && !self.place.options.lenient && self.is_alone(&request.tracer) =>
                 {
-                    return Err(RunError::Tracer { tracer: request.tracer.name().to_owned(), error });
+                    return Err(RunError::Tracer(request.tracer.name().to_owned(), error));
                 }
                 Err(error) => {
                     interleaved_set.enter(self.context.absent(&request.tracer), Some(request), None);
@@ -379,8 +374,8 @@ impl<'a> Here<'a> {
                     self.invalid.get_or_insert(refusal.reason);
                 }
                 Err(refusal) => {
-                    let tracer = control.description().name.to_owned();
-                    return Err(RunError::Tracer { tracer, error: TracerError::Failed(refusal.reason) });
+                    let name = control.description().name.to_owned();
+                    return Err(RunError::Tracer(name, TracerError::Failed(refusal.reason)));
                 }
             }
         }

@@ -42,18 +42,6 @@ impl<'a> Context<'a> {
         Self { device, cache, progress, journal, shard: None, launch: None, tracer_cache, kernels }
     }
 
-    /// A part of the places alone.
-    #[must_use]
-    pub fn of_shard(self, shard: Option<Shard>) -> Self {
-        Self { shard, ..self }
-    }
-
-    /// With means that the requests have taken.
-    #[must_use]
-    pub fn with_launch_settings(self, launch: Option<LaunchRecord>) -> Self {
-        Self { launch, ..self }
-    }
-
     /// The fixed kernels, made for the first interleaved set that is timed.
     pub(super) fn kernels(&self) -> Result<&Kernels, TracerError> {
         if let Some(made) = self.kernels.get() {
@@ -122,7 +110,7 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunE
         for (place, scene) in load(plan, context.progress)?.into_iter().enumerate() {
             if context.takes(place) {
                 let options = MeasureOptions::timed(plan);
-                let found = measure_scene(index, plan, scene, &requests, options, None, context)?.saying(&said);
+                let found = measure_scene(index, plan, (scene, None), &requests, options, None, context)?.saying(&said);
                 for (request, refused) in add(&mut record, found) {
                     refuse(&mut record, &records::request_record(&requests[request].tracer).label(), None, refused);
                 }
@@ -133,27 +121,11 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunE
     if record.rows.is_empty() && context.shard.is_none() { Err(nothing(&record)) } else { Ok(record) }
 }
 
-/// Measures requests in a scene from the plan's viewpoint.
+/// Measures requests from the plan's viewpoint in a scene, which is the last frame of a film, if there is one.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub(crate) fn measure_scene(
-    index: usize,
-    plan: &Plan,
-    scene: Scene,
-    requests: &[Request],
-    options: MeasureOptions,
-    hook: Option<Hook<'_>>,
-    context: &Context<'_>,
-) -> Result<Measured, RunError> {
-    measure_film(index, plan, (scene, None), requests, options, hook, context)
-}
-
-/// The same in a scene that is the last frame of a film, if there is one.
-///
-/// # Errors
-/// [`RunError`] as its variants say.
-pub(crate) fn measure_film(
     index: usize,
     plan: &Plan,
     frame: (Scene, Option<AnimationFrames>),
@@ -213,27 +185,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
     provenance.resumed = resumed.to_vec();
     provenance.launch.clone_from(&context.launch);
     provenance.shard = context.shard.as_ref().map(Shard::record);
-    Record {
-        schema: SCHEMA,
-        provenance,
-        seed: 0,
-        preset: String::new(),
-        table: None,
-        sweep: None,
-        tuning: None,
-        updates: None,
-        cases: None,
-        explanation: None,
-        pareto: None,
-        need: None,
-        ray_parameters: Default::default(),
-        control_names: Control::names(),
-        controls: Vec::new(),
-        rows: Vec::new(),
-        anchors: Vec::new(),
-        interleaved_sets: Vec::new(),
-        skipped: Vec::new(),
-    }
+    Record { schema: SCHEMA, provenance, control_names: Control::names(), ..Record::default() }
 }
 
 /// Adds what was measured in a place, and gives who could not be, by request.

@@ -34,8 +34,7 @@ pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth
         ViewRequest::Named(name) => named_pose(name, scene, cameras),
         ViewRequest::Other(than) => {
             let own = choose_pose(than, scene, cameras, truth)?;
-            viewpoint::other(&own, cameras, truth)
-                .ok_or_else(|| RunError::NoOtherView { scene: scene.to_owned(), own: own.name })
+            viewpoint::other(&own, cameras, truth).ok_or_else(|| RunError::NoOtherView(scene.to_owned(), own.name))
         }
         ViewRequest::Nth(place, of) => match cameras.get(*place) {
             Some(camera) => Ok(Pose::from(camera)),
@@ -51,14 +50,10 @@ fn named_pose(name: &str, scene: &str, cameras: &[Camera]) -> Result<Pose, RunEr
     if let Some(camera) = cameras.iter().find(|camera| camera.name == name) {
         return Ok(Pose::from(camera));
     }
-    Pose::parse(name).map_err(|error| RunError::UnknownView {
-        scene: scene.to_owned(),
-        name: name.to_owned(),
-        error,
-        known: match cameras {
-            [] => "none".to_owned(),
-            cameras => cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", "),
-        },
+    Pose::parse(name).map_err(|error| {
+        let known = cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", ");
+        let known = if known.is_empty() { "none".to_owned() } else { known };
+        RunError::UnknownView(scene.to_owned(), name.to_owned(), error, known)
     })
 }
 

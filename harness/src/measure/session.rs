@@ -28,16 +28,9 @@ pub enum SessionError {
     /// Rays do not fit the device.
     #[error(transparent)]
     Tracer(#[from] TracerError),
-    /// A configuration gave answers that are none.
-    #[error("{tracer} on ray set {rays}: {error}")]
-    Judge {
-        /// The tracer.
-        tracer: String,
-        /// The ray set.
-        rays: String,
-        /// What is wrong.
-        error: JudgeError,
-    },
+    /// A tracer gave answers to a ray set that are none.
+    #[error("{0} on ray set {1}: {2}")]
+    Judge(String, String, JudgeError),
 }
 
 /// A ray set with its truth.
@@ -160,16 +153,7 @@ impl Session {
             }
             prepared.push(PreparedRays { pixels, ..PreparedRays::new(*set, rays, answers, gpu.as_deref()) });
         }
-        Ok(Self {
-            gpu,
-            truth,
-            viewpoint,
-            trace_to: TraceTo::Hit,
-            wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
-            now: Instant::now,
-            rays: prepared,
-            skipped,
-        })
+        Ok(Self::with(truth, viewpoint, gpu, prepared, skipped))
     }
 
     /// Takes rays that were made elsewhere, uploads them and tells their truth.
@@ -186,16 +170,18 @@ impl Session {
         let rays = Arc::new(rays);
         let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
         let rays = vec![PreparedRays::new(set, rays, answers, gpu.as_deref())];
-        Ok(Self {
-            gpu,
-            truth,
-            viewpoint,
-            trace_to: TraceTo::Hit,
-            wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
-            now: Instant::now,
-            rays,
-            skipped: Vec::new(),
-        })
+        Ok(Self::with(truth, viewpoint, gpu, rays, Vec::new()))
+    }
+
+    fn with(
+        truth: Truth,
+        viewpoint: Viewpoint,
+        gpu: Option<Arc<Gpu>>,
+        rays: Vec<PreparedRays>,
+        skipped: Vec<Skipped>,
+    ) -> Self {
+        let (trace_to, wrong_rays_per_cause) = (TraceTo::Hit, WRONG_RAYS_PER_CAUSE);
+        Self { gpu, truth, viewpoint, trace_to, wrong_rays_per_cause, now: Instant::now, rays, skipped }
     }
 
     /// The same session with traces to another end than hits.
@@ -426,5 +412,5 @@ impl Session {
 }
 
 fn no_answers(tracer: &str, rays: &PreparedRays, error: JudgeError) -> SessionError {
-    SessionError::Judge { tracer: tracer.to_owned(), rays: rays.set.name.to_owned(), error }
+    SessionError::Judge(tracer.to_owned(), rays.set.name.to_owned(), error)
 }

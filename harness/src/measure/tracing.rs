@@ -5,7 +5,7 @@ use tracebench_api::{Hit, HitBuffer, Query, Timing};
 use super::RunError;
 use super::doubled_work::{DoubledWork, invalid_reason};
 use super::interleaved_set::{InterleavedSet, Outcome, Participant};
-use super::records::{self, Traced};
+use super::records;
 use super::rounds::Rounds;
 use super::session::PreparedRays;
 use super::workload::{Observations, Refusal};
@@ -53,11 +53,7 @@ impl InterleavedSet<'_> {
                 interleaved_set.repeated_because.clone_from(&failed);
             }
             failed = fails;
-            let last = sampled
-                .interleaved_set
-                .as_ref()
-                .is_none_or(|interleaved_set| interleaved_set.repeated_because.is_some());
-            if failed.is_none() || last || attempt + 1 == ATTEMPTS {
+            if failed.is_none() || attempt + 1 == ATTEMPTS {
                 break sampled;
             }
             self.progress.say(&format!("  {}: once more, {}", rays.set.name, failed.as_deref().unwrap_or_default()));
@@ -215,18 +211,9 @@ impl InterleavedSet<'_> {
                 .map_or_else(String::new, |of| format!(" at frame {}x{}, faces {}", of.frame[0], of.frame[1], of.face));
             self.progress.say(&format!("  {}: {label}{at} done", rays.set.name));
         }
-        let trace_to = session.trace_to();
-        let record = records::trace_record(Traced {
-            rays,
-            timings,
-            believed,
-            hits: &hits,
-            counters: &counters,
-            trace_memory,
-            trace_to,
-            judgement,
-            surfaces,
-        });
+        let (times, trace_to) = (records::times(timings, believed), session.trace_to());
+        let verdicts = (judgement, surfaces);
+        let record = records::trace_record(rays, times, &hits, &counters, trace_memory, trace_to, verdicts);
         Ok(Some((record, Observations { hits, sampling_model }, invalid)))
     }
 }

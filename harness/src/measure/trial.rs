@@ -44,11 +44,7 @@ pub(crate) fn against_itself(
         InterleavedSet::new(&placed.session, None, MeasureOptions::timed(plan), context.progress, setting);
     let created = context.tracer_cache.borrow_mut().config(&request.tracer, context.device);
     let tracer = request.tracer.name().to_owned();
-    interleaved_set.enter(
-        created.map_err(|error| RunError::Tracer { tracer: tracer.clone(), error })?,
-        Some(&request),
-        None,
-    );
+    interleaved_set.enter(created.map_err(|error| RunError::Tracer(tracer.clone(), error))?, Some(&request), None);
     for _ in repeats.iter().skip(1) {
         interleaved_set.join(Some(&request.tracer), None);
     }

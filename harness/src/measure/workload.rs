@@ -135,6 +135,7 @@ pub(crate) struct Refusal {
 }
 
 /// What was measured in one place.
+#[derive(Default)]
 pub(crate) struct Measured {
     pub scene: SceneRecord,
     pub viewpoint: ViewpointRecord,

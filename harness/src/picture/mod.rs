@@ -80,7 +80,7 @@ pub fn draw(
     let loaded = measure::prepare(plan, scene, device, &Cache::of_user(), progress)?;
     let session = &loaded.session;
     let name = request.name().to_owned();
-    let failed = |error| RunError::Tracer { tracer: name.clone(), error };
+    let failed = |error| RunError::Tracer(name.clone(), error);
     let mut config = TracerCache::default().config(request, device).map_err(failed)?;
     session.sample_build(&mut config).map_err(failed)?;
     let [width, height] = plan.preset.ray_image;
@@ -189,7 +189,7 @@ fn write_png(path: &Path, width: u32, height: u32, pixels: &[Rgb]) -> Result<(),
 }
 
 /// Pixels of eight bits a channel, of the kind that `set` says, as a PNG.
-fn encoded(
+pub(crate) fn encoded(
     [width, height]: [u32; 2],
     pixels: &[u8],
     set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>),

@@ -11,39 +11,20 @@ use super::document::Document;
 use super::format::{NONE, mib, percent, significant};
 use super::group::{Group, RaySet, Role};
 use super::markdown::literal;
-use super::metrics::{self, BALANCED, STRUCTURE};
+use super::metrics::{self, BALANCED, STRUCTURE, Traced};
 use super::sheet::{Cell, Column, Columns, Sheet};
 use super::summary;
 use crate::registry::{Family, TRACERS};
-use crate::results::{
-    Answer, Caveat, Paired, Record, Row, Timed, TraceRecord, TracerRecord, differ_in_launch, host_ms,
-};
+use crate::results::{Answer, Caveat, Paired, Record, Row, Timed, TraceRecord, TracerRecord, differ_in_launch};
 
 /// What is compared, with its name.
-const SPANS: [(Span, &str); 3] = [(Span::Trace, "trace"), (Span::SteadyBuild, "steady build"), (Span::Frame, "frame")];
+const SPANS: [(&str, Span); 3] = [
+    ("trace", |(row, trace)| Timed::trace(row, trace)),
+    ("steady build", |(row, _)| Timed::steady_build(row)),
+    ("frame", |(row, trace)| Timed::steady_build(row).and(Timed::trace(row, trace))),
+];
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Span {
-    Trace,
-    SteadyBuild,
-    Frame,
-}
-
-impl Span {
-    fn of<'a>(self, (row, trace): (&'a Row, &'a TraceRecord)) -> Timed<'a> {
-        match self {
-            Self::Trace => Timed::trace(row, trace),
-            Self::SteadyBuild => Timed::steady_build(row),
-            Self::Frame => Timed::steady_build(row).and(Timed::trace(row, trace)),
-        }
-    }
-
-    /// By the host's clock, milliseconds.
-    fn host_ms(self, (row, trace): (&Row, &TraceRecord)) -> Option<f64> {
-        let build_ms = if self == Self::Trace { 0.0 } else { host_ms(row.build.steady())? };
-        Some(build_ms + if self == Self::SteadyBuild { 0.0 } else { host_ms(&trace.times)? })
-    }
-}
+type Span = for<'a> fn(Traced<'a>) -> Timed<'a>;
 
 /// What a row stands beside, with its name for people and for programs.
 const COMPARATORS: [(Comparator, &str, &str); 3] = [
@@ -77,20 +58,20 @@ struct Beside<'a> {
 }
 
 impl<'a> Place<'a> {
-    fn rows(self) -> impl Iterator<Item = (&'a Row, &'a TraceRecord)> {
+    fn rows(self) -> impl Iterator<Item = Traced<'a>> {
         self.group.configs.iter().filter_map(move |row| Some((*row, self.set.trace_of(row)?)))
     }
 
     /// None where no hierarchy is as often right, and at best launch settings where rows have no others.
     fn beside(self, row: &'a Row, span: Span, comparator: Comparator) -> Option<Beside<'a>> {
-        let least = |rows: &mut dyn Iterator<Item = (&'a Row, &'a TraceRecord)>| {
-            let timed = rows.filter_map(|traced| Some((span.host_ms(traced)?, traced)));
+        let least = |rows: &mut dyn Iterator<Item = Traced<'a>>| {
+            let timed = rows.filter_map(|traced| Some((span(traced).host_ms()?, traced)));
             timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, traced)| traced)
         };
         let (own, _) = right_of(self.set.trace_of(row)?)?;
         let at_best = comparator == Comparator::AtBest;
         let as_equal = |other: &Row| row.tracer.launch().zip(other.tracer.launch()).is_none_or(|(own, its)| own == its);
-        let stands = |(other, trace): &(&'a Row, &'a TraceRecord)| {
+        let stands = |(other, trace): &Traced<'a>| {
             let of_family = TRACERS.iter().any(|each| each.family == Family::Bvh && each.name() == other.tracer.name);
             let is_other = if at_best { !differ_in_launch(row, other) } else { as_equal(other) };
             of_family
@@ -101,12 +82,12 @@ impl<'a> Place<'a> {
                 && right_of(trace).is_some_and(|(right, _)| right >= own)
         };
         let beside = least(&mut self.rows().filter(stands))?;
-        let of_row = |(other, _): &(&'a Row, &'a TraceRecord)| differ_in_launch(row, other);
+        let of_row = |(other, _): &Traced<'a>| differ_in_launch(row, other);
         if at_best && self.rows().filter(of_row).map(|(other, _)| other.tracer.launch()).all_equal() {
             return None;
         }
         let one = least(&mut self.rows().filter(|each| if at_best { of_row(each) } else { ptr::eq(each.0, row) }))?;
-        Some(Beside { hierarchy: beside.0, paired: self.record.paired_on_host(&span.of(one), &span.of(beside)) })
+        Some(Beside { hierarchy: beside.0, paired: self.record.paired_on_host(&span(one), &span(beside)) })
     }
 }
 
@@ -135,7 +116,7 @@ impl Beside<'_> {
 
 /// Columns for programs: every ratio with its interval, and the hierarchy that it is to.
 pub(super) fn columns<'a, R: 'a>(of: impl Fn(&R) -> Option<(Place<'a>, TableRow<'a>)> + Copy + 'a) -> Columns<'a, R> {
-    let column = |((span, what), (comparator, _, whose)): ((Span, &str), (Comparator, _, &str))| {
+    let column = |((what, span), (comparator, _, whose)): ((&str, Span), (Comparator, _, &str))| {
         let found = move |row: &R| {
             let (place, (role, row, _)) = of(row)?;
             if role == Role::Tracer { place.beside(row, span, comparator) } else { None }
@@ -172,7 +153,7 @@ pub(super) fn table(place: Place<'_>) -> Document {
         |row: &&Row| place.set.trace_of(row).and_then(right_of).map_or_else(|| NONE.to_owned(), |(_, said)| said);
     let mut sheet =
         Sheet::<&Row>::new().column("tracer", |row| row.label()).column(right_heading(place.set.query), right);
-    for ((span, what), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
+    for ((what, span), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
         sheet = sheet.column(format!("{what} over {whose} ↓"), move |row| {
             place.beside(row, span, comparator).map_or(Cell::Absent, |beside| (beside.said() + &beside.of()).into())
         });
@@ -205,7 +186,7 @@ pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Option<Docum
                 let bytes = |(row, _): (&Row, _)| row.memory.structure_bytes;
                 range(places, label, |_, traced| Some((bytes(traced) as f64, mib(bytes(traced)), String::new())))
             });
-        for ((span, what), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
+        for ((what, span), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {
             sheet = sheet.column(format!("{what} over {whose} ↓"), move |label| {
                 let beside = |place: Place<'_>, (row, _)| {
                     let found = place.beside(row, span, comparator)?;
@@ -225,7 +206,7 @@ pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Option<Docum
 fn range<'a>(
     places: &[Place<'a>],
     label: &str,
-    of: impl Fn(Place<'a>, (&'a Row, &'a TraceRecord)) -> Option<(f64, String, String)>,
+    of: impl Fn(Place<'a>, Traced<'a>) -> Option<(f64, String, String)>,
 ) -> Option<String> {
     let of_place = |place: &Place<'a>| {
         let found = of(*place, place.rows().find(|(row, _)| row.tracer.label() == label)?)?;
@@ -268,7 +249,7 @@ mod tests {
     fn beside(record: &Record, comparator: Comparator) -> Option<(String, f64)> {
         let groups = groups(record);
         let place = Place { record, group: &groups[0], set: &groups[0].ray_sets[0] };
-        let found = place.beside(&record.rows[0], Span::Trace, comparator)?;
+        let found = place.beside(&record.rows[0], SPANS[0].1, comparator)?;
         Some((found.hierarchy.tracer.name.clone(), found.paired.ratio?.value))
     }
 

@@ -73,7 +73,7 @@ impl<'a, R> Sheet<'a, R> {
             let right = move |row: &R| {
                 let (judgement, trials) = of(row)?;
                 let of_query = matches!(judgement, Judgement::Closest(_)) == (query == Query::Closest);
-                metrics::accuracies_of(judgement, trials).get(place).filter(|_| of_query).copied().map(Cell::Accuracy)
+                judgement.accuracies(trials).get(place).filter(|_| of_query).copied().map(Cell::Accuracy)
             };
             metric.shown(right)
         };

@@ -6,7 +6,7 @@ use tracebench_api::Query;
 
 use super::document::{Document, set_heading};
 use super::format;
-use crate::results::{Paired, Record, Row, SceneRecord, Timed, TraceRecord, ViewpointRecord};
+use crate::results::{Paired, Record, Row, SceneRecord, Timed, TraceRecord, ViewpointRecord, same_place};
 
 /// Runs that may be compared.
 #[derive(Debug)]
@@ -74,17 +74,9 @@ impl<'a> Group<'a> {
         traces
     }
 
-    /// Whether two runs were given the same rays; frame and face shape structures, not rays.
+    /// Whether a row was given the same rays; frame and face shape structures, not rays.
     fn takes(&self, row: &Row) -> bool {
-        let (ours, theirs) = (self.viewpoint, &row.viewpoint);
-        self.scene.name == row.scene.name
-            && self.scene.sha256 == row.scene.sha256
-            && ours.name == theirs.name
-            && (ours.eye, ours.forward, ours.up) == (theirs.eye, theirs.forward, theirs.up)
-            && ours.vertical_fov_degrees == theirs.vertical_fov_degrees
-            && ours.ray_image == theirs.ray_image
-            && ours.ray_parameters == theirs.ray_parameters
-            && ours.time_s == theirs.time_s
+        self.all().next().is_some_and(|(_, first)| same_place(first, row))
     }
 }
 

@@ -6,8 +6,8 @@ use tracebench_api::Query;
 
 pub(crate) use list::*;
 
-use super::sheet::{Accuracy, Cell, Column};
-use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, Row, SurfaceDistance, TraceRecord};
+use super::sheet::{Cell, Column};
+use crate::results::{Accuracy, AnyJudgement, ClosestJudgement, Judgement, Row, SurfaceDistance, TraceRecord};
 
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,33 +160,9 @@ pub(crate) fn rules(query: Query) -> &'static [&'static str] {
     }
 }
 
-/// The same of a judgement on so many rays that count.
-pub(crate) fn accuracies_of(judgement: &Judgement, trials: u64) -> Vec<Accuracy> {
-    let one_sided = judgement.one_sided();
-    match judgement {
-        Judgement::Closest(closest) => {
-            let (share, interval) = (&closest.agreement, &closest.interval);
-            let (tight, footprint) = (&closest.classes.tight, &closest.classes.footprint);
-            let of = |share: Option<f64>, interval, wrong| Accuracy { share, interval, wrong, trials, one_sided };
-            vec![
-                of(share.hit_miss, interval.hit_miss, of_wrong_kind(tight)),
-                of(share.tight, interval.tight, wrong(tight)),
-                of(share.footprint, interval.footprint, wrong(footprint)),
-            ]
-        }
-        Judgement::Any(AnyJudgement { occlusion, .. }) => vec![Accuracy {
-            share: occlusion.balanced_accuracy,
-            interval: occlusion.balanced_accuracy_interval,
-            wrong: occlusion.false_occluded + occlusion.false_free,
-            trials,
-            one_sided,
-        }],
-    }
-}
-
 /// The accuracies of a trace.
 pub(crate) fn right_of(trace: &TraceRecord) -> Vec<Accuracy> {
-    accuracies_of(&trace.judgement, trials(trace))
+    trace.judgement.accuracies(trials(trace))
 }
 
 /// Whether anything could be judged: no speed stands without its accuracy.
@@ -270,14 +246,4 @@ pub(crate) fn wrong_tight(judgement: &Judgement) -> u64 {
 
 fn timed<T>(trace: &TraceRecord, value: T) -> Option<T> {
     (!trace.times.samples_ms.is_empty() && trace.times.invalid.is_none()).then_some(value)
-}
-
-/// Answers of the wrong kind, hits for misses and misses for hits.
-fn of_wrong_kind(classes: &Classes) -> u64 {
-    classes.false_hit + classes.false_miss
-}
-
-/// Answers of the wrong kind or in the wrong place.
-fn wrong(classes: &Classes) -> u64 {
-    of_wrong_kind(classes) + classes.early + classes.late
 }

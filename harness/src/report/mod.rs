@@ -333,11 +333,11 @@ pub fn read_run(path: &Path) -> Result<Record, ReportError> {
     let head: Result<Head, _> = serde_json::from_slice(&text);
     match head.map(|head| head.schema) {
         Ok(Some(schema)) if schema.as_u64() == Some(u64::from(SCHEMA)) => {}
-        Ok(Some(schema)) => return Err(ReportError::Schema { path, found: schema.to_string(), wanted: SCHEMA }),
-        Err(source) if !source.is_data() => return Err(ReportError::NotJson { path, file, source }),
-        _ => return Err(ReportError::NoSchema { path, file }),
+        Ok(Some(schema)) => return Err(ReportError::Schema(path, schema.to_string(), SCHEMA)),
+        Err(source) if !source.is_data() => return Err(ReportError::NotJson(path, file, source)),
+        _ => return Err(ReportError::NoSchema(path, file)),
     }
-    Record::read(&text).map_err(|reason| ReportError::Unmeasured { path, reason })
+    Record::read(&text).map_err(|reason| ReportError::Unmeasured(path, reason))
 }
 
 /// What is read of a record first.
@@ -352,19 +352,19 @@ struct Head {
 /// If it cannot be read, or has more than [`MAX_RECORD_BYTES`].
 pub fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let fail = |source: std::io::Error| match source.kind() {
-        ErrorKind::NotFound => ReportError::Missing { path: path.to_owned(), file: RUN_FILE },
-        _ => ReportError::Read { path: path.to_owned(), source },
+        ErrorKind::NotFound => ReportError::Missing(path.to_owned(), RUN_FILE),
+        _ => ReportError::Read(path.to_owned(), source),
     };
     let mut file = BufReader::new(fs::File::open(path).map_err(fail)?);
     let mut bytes = Vec::new();
     if file.fill_buf().map_err(fail)?.starts_with(&GZIP) {
         let unpacked = MultiGzDecoder::new(file).take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes);
-        unpacked.map_err(|source| ReportError::Packed { path: path.to_owned(), source })?;
+        unpacked.map_err(|source| ReportError::Packed(path.to_owned(), source))?;
     } else {
         file.take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
     }
     if bytes.len() as u64 > MAX_RECORD_BYTES {
-        return Err(ReportError::TooLarge { path: path.to_owned(), max_bytes: MAX_RECORD_BYTES });
+        return Err(ReportError::TooLarge(path.to_owned(), MAX_RECORD_BYTES));
     }
     Ok(bytes)
 }

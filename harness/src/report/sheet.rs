@@ -5,7 +5,7 @@ use itertools::Itertools as _;
 use super::ReportError;
 use super::format::{NONE, optional, percent, percent_with_interval, significant, statistic, thousands, with_interval};
 use super::markdown::{inline, literal};
-use crate::results::{Percentiles, Ratio, Times};
+use crate::results::{Accuracy, Percentiles, Ratio, Times};
 use crate::studies::pareto::Amount;
 
 /// What a row has in a column. Programs read all digits, people those that matter.
@@ -45,21 +45,6 @@ pub(crate) enum Cell {
     Percentiles(Percentiles),
     /// Parts of a whole: name, share, colour.
     Parts(Vec<(String, f64, String)>),
-}
-
-/// A share of right answers; nothing where no ray is judged.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Accuracy {
-    /// The share.
-    pub share: Option<f64>,
-    /// Its interval.
-    pub interval: Option<[f64; 2]>,
-    /// Wrong answers.
-    pub wrong: u64,
-    /// All that count.
-    pub trials: u64,
-    /// Why the share says nothing, if it does not.
-    pub one_sided: Option<&'static str>,
 }
 
 impl Cell {

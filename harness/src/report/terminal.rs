@@ -7,8 +7,7 @@ use tracebench_api::ClockKind;
 use super::format::{NONE, percent, significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::metrics;
-use super::sheet::Accuracy;
-use crate::results::{Record, TraceRecord};
+use crate::results::{Accuracy, Record, TraceRecord};
 
 /// Columns that names may take; longer ones go on in the next line. With the other columns a line has 100 at most.
 const LONGEST_NAME: usize = 30;

@@ -320,18 +320,15 @@ fn errors_are_clear() {
     };
     let record = fixture::run(&[], &[]);
     fs::write(at("file"), "x").unwrap();
-    assert!(matches!(
-        write_run(&record, &at("file"), fixture::tables),
-        Err(ReportError::File(FileError::Folder { .. }))
-    ));
+    assert!(matches!(write_run(&record, &at("file"), fixture::tables), Err(ReportError::File(FileError::Folder(..)))));
     assert!(matches!(
         write_run(&record, &at("file/below"), fixture::tables),
-        Err(ReportError::File(FileError::Folder { .. }))
+        Err(ReportError::File(FileError::Folder(..)))
     ));
     fs::create_dir_all(at("taken/run.json")).unwrap();
     assert!(matches!(
         write_run(&record, &at("taken"), fixture::tables),
-        Err(ReportError::File(FileError::InTheWay { .. }))
+        Err(ReportError::File(FileError::InTheWay(..)))
     ));
     assert_eq!(fs::read_dir(at("taken")).unwrap().count(), 1);
 

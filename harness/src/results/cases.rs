@@ -150,40 +150,24 @@ impl Wrong {
     }
 }
 
-/// A surprise at one difficulty level.
+/// A surprise at one difficulty level: the share of wrong rays, the rule by which they are, and what was expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UnexpectedOutcome {
-    /// More rays are wrong than may be.
-    Failure {
-        /// Share of wrong rays.
-        wrong: f64,
-        /// The rule.
-        rule: Rule,
-        /// Most that were allowed, share.
-        allowed: f64,
-    },
-    /// Fewer rays are wrong than must be: what is stated is out of date.
-    Success {
-        /// Share of wrong rays.
-        wrong: f64,
-        /// The rule.
-        rule: Rule,
-        /// Least that were expected, share.
-        expected: f64,
-    },
+    /// More rays are wrong than may be, a share at most.
+    Failure(f64, Rule, f64),
+    /// Fewer rays are wrong than must be, a share at least: what is stated is out of date.
+    Success(f64, Rule, f64),
 }
 
 impl ExpectationRecord {
     /// Whether a device may be too small at one of a difficulty parameter's values.
     pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
-        let from = self.refusable_from.and_then(|from| values.iter().position(|value| *value == from));
-        from.is_some_and(|at| index >= at)
+        is_from(self.refusable_from, values, index)
     }
 
     /// Whether the device's rasterizer loses triangles at one of a difficulty parameter's values.
     pub fn may_be_lost(&self, values: &[f64], index: usize) -> bool {
-        let from = self.lost_from.and_then(|from| values.iter().position(|value| *value == from));
-        from.is_some_and(|at| index >= at)
+        is_from(self.lost_from, values, index)
     }
 
     /// The share of wrong rays that is expected at one of a difficulty parameter's values; `None` if none is stated.
@@ -197,7 +181,12 @@ impl ExpectationRecord {
         let own_room = if self.kind == EXACT { 0.0 } else { MIN_ROOM.max(expected * ROOM_SHARE) };
         let (rule, wrong, room) = (self.rule, shares.under(self.rule), own_room + self.rasterizer_tolerance);
         let (least, allowed) = (expected - room, expected + room);
-        let failure = (wrong > allowed).then_some(UnexpectedOutcome::Failure { wrong, rule, allowed });
-        failure.or((wrong < least).then_some(UnexpectedOutcome::Success { wrong, rule, expected: least }))
+        let failure = (wrong > allowed).then_some(UnexpectedOutcome::Failure(wrong, rule, allowed));
+        failure.or((wrong < least).then_some(UnexpectedOutcome::Success(wrong, rule, least)))
     }
+}
+
+/// Whether a value's place is that of another one or behind it.
+fn is_from(from: Option<f64>, values: &[f64], index: usize) -> bool {
+    from.and_then(|from| values.iter().position(|value| *value == from)).is_some_and(|at| index >= at)
 }

@@ -100,6 +100,30 @@ impl Judgement {
         one_sided(if matches!(self, Self::Any(_)) { Query::Any } else { Query::Closest }, hits, misses)
     }
 
+    /// How often its answers are right by every rule, on so many rays that count.
+    pub fn accuracies(&self, trials: u64) -> Vec<Accuracy> {
+        let one_sided = self.one_sided();
+        match self {
+            Self::Closest(closest) => {
+                let (share, interval) = (&closest.agreement, &closest.interval);
+                let (tight, footprint) = (&closest.classes.tight, &closest.classes.footprint);
+                let of = |share: Option<f64>, interval, wrong| Accuracy { share, interval, wrong, trials, one_sided };
+                vec![
+                    of(share.hit_miss, interval.hit_miss, tight.false_hit + tight.false_miss),
+                    of(share.tight, interval.tight, tight.wrong()),
+                    of(share.footprint, interval.footprint, footprint.wrong()),
+                ]
+            }
+            Self::Any(AnyJudgement { occlusion, .. }) => vec![Accuracy {
+                share: occlusion.balanced_accuracy,
+                interval: occlusion.balanced_accuracy_interval,
+                wrong: occlusion.false_occluded + occlusion.false_free,
+                trials,
+                one_sided,
+            }],
+        }
+    }
+
     /// Why rays are wrong.
     pub fn causes(&self) -> &Causes {
         match self {
@@ -107,6 +131,21 @@ impl Judgement {
             Self::Any(any) => &any.causes,
         }
     }
+}
+
+/// A share of right answers; nothing where no ray is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// The share.
+    pub share: Option<f64>,
+    /// Its interval.
+    pub interval: Option<[f64; 2]>,
+    /// Wrong answers.
+    pub wrong: u64,
+    /// All that count.
+    pub trials: u64,
+    /// Why the share says nothing, if it does not.
+    pub one_sided: Option<&'static str>,
 }
 
 /// As [`Judgement::one_sided`], of so many rays that hit and that miss.

@@ -14,16 +14,9 @@ pub enum MergeError {
     /// Shards that do not belong together.
     #[error("{0} is of another {1} than {2}")]
     Other(String, &'static str, String),
-    /// A shard that is there twice, or one that is missing.
-    #[error("shard {index} of {count} is {problem}")]
-    Incomplete {
-        /// Which.
-        index: u32,
-        /// Of how many.
-        count: u32,
-        /// `missing`, or `there doubled_work`.
-        problem: &'static str,
-    },
+    /// A shard of so many that is there twice, or missing.
+    #[error("shard {0} of {1} is {2}")]
+    Incomplete(u32, u32, &'static str),
 }
 
 /// Joins all shards of a plan, each with a name for messages. Rows are in the order of shards; each keeps its machine.
@@ -56,7 +49,7 @@ pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, MergeError> {
             0 => "missing",
             _ => "there twice",
         };
-        return Err(MergeError::Incomplete { index, count: first.count, problem });
+        return Err(MergeError::Incomplete(index, first.count, problem));
     }
     shards.sort_by_key(|(_, record)| record.provenance.shard.as_ref().map_or(0, |shard| shard.index));
     let mut shards = shards.into_iter().map(|(_, record)| record);

@@ -47,8 +47,8 @@ pub use interleaved_set::{
 };
 pub(crate) use judgement::one_sided;
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Judgement, OCCLUSION, Occlusion, PerRule, Percentiles,
-    PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
+    Accuracy, AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Judgement, OCCLUSION, Occlusion, PerRule,
+    Percentiles, PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use launch::{
@@ -57,6 +57,7 @@ pub use launch::{
 };
 pub use merge::{MergeError, merge};
 pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, values_label};
+pub(crate) use paired::kernels_changed;
 pub use paired::{Answer, COVERAGE, Caveat, MAX_CHANGE, Paired, Pairing, Timed, of_rounds};
 pub use pareto::{
     FrontPoint, FrontScene, HeldOutRecord, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,
@@ -65,6 +66,7 @@ pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use resident_batches::MARK;
 pub use row::{MemoryRecord, Row, SceneRecord, TracerRecord, ViewpointRecord};
+pub(crate) use row::{config, said};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};
 pub use times::{BuildRecord, PhaseRecord, Times};
 pub use trace::{CounterRecord, TraceRecord};
@@ -75,7 +77,7 @@ pub use updates::{FRESH_BUILD, SceneFollowed, UpdateModeRecord, UpdatesRecord};
 pub const SCHEMA: u32 = 3;
 
 /// A whole record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// [`SCHEMA`].
     pub schema: u32,

@@ -11,10 +11,11 @@
 
 use std::fmt;
 
+use itertools::Itertools as _;
 use serde::Serialize;
 use tracebench_api::ClockKind;
 
-use super::{InterleavedSetRecord, MIN_ROUNDS, Ratio, Record, Row, Times, TraceRecord, same_place, same_rays};
+use super::{InterleavedSetRecord, MIN_ROUNDS, Ratio, Record, Row, Times, TraceRecord, host_ms, same_place, same_rays};
 use crate::statistics::{median, median_interval_of};
 
 /// What the interval of a verdict covers.
@@ -104,6 +105,11 @@ impl<'a> Timed<'a> {
     pub fn and(mut self, other: Self) -> Self {
         self.parts.extend(other.parts);
         self
+    }
+
+    /// Of what was timed as a whole its time by the host's clock, milliseconds.
+    pub fn host_ms(&self) -> Option<f64> {
+        self.parts.iter().map(|part| Some(part.factor * host_ms(part.times)?)).sum()
     }
 
     fn interleaved_sets(&self) -> Vec<Option<u32>> {
@@ -243,9 +249,7 @@ impl Paired {
             },
         }
     }
-}
 
-impl Paired {
     /// How many times as long one lot took as another of the same interleaved set, of which is known whether it drifts and why it is
     /// invalid.
     pub fn in_interleaved_set(
@@ -260,6 +264,16 @@ impl Paired {
         let caveat = invalid.map(Caveat::Void).or(few).or(drift.map(Caveat::Drift));
         Self { ratio, pairing: Pairing::Rounds, caveat: caveat.or(ratio.is_none().then_some(Caveat::NoTimes)) }
     }
+}
+
+/// Whether the same fixed kernel took another time in some interleaved sets than in others.
+pub(crate) fn kernels_changed(ones: &[&InterleavedSetRecord], others: &[&InterleavedSetRecord]) -> bool {
+    let kernels =
+        |sets: &[&'_ InterleavedSetRecord]| sets.iter().flat_map(|set| set.kernels.clone()).collect::<Vec<_>>();
+    let (ones, others) = (kernels(ones), kernels(others));
+    let same = ones.iter().cartesian_product(&others).filter(|(a, b)| (a.clock, a.tasks) == (b.clock, b.tasks));
+    let mut changes = same.map(|(one, other)| median(&one.samples_ms) / median(&other.samples_ms));
+    changes.any(|change| change.max(1.0 / change) > 1.0 + MAX_CHANGE)
 }
 
 /// The ratio of times in the same rounds; `None` for no rounds.
@@ -358,16 +372,8 @@ impl Record {
         if one.row.machine != other.row.machine {
             return Some("other machines".to_owned());
         }
-        for kernel in ours.iter().flat_map(|interleaved_set| &interleaved_set.kernels) {
-            let others = theirs.iter().flat_map(|interleaved_set| &interleaved_set.kernels);
-            for beside in others.filter(|each| (each.clock, each.tasks) == (kernel.clock, kernel.tasks)) {
-                let change = median(&kernel.samples_ms) / median(&beside.samples_ms);
-                if change.max(1.0 / change) > 1.0 + MAX_CHANGE {
-                    return Some("the machine was faster in one interleaved set than in the other".to_owned());
-                }
-            }
-        }
-        None
+        let changed = kernels_changed(&ours, &theirs);
+        changed.then(|| "the machine was faster in one interleaved set than in the other".to_owned())
     }
 }
 

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
 
-use super::{Row, SceneRecord, ViewpointRecord, values_label};
+use super::{Row, SceneRecord, ViewpointRecord, config, values_label};
 
 /// The way of rows that were refitted to vertices that stand still, for what a refit takes.
 pub const STILL_REFIT: &str = "refit, standing still";
@@ -46,7 +46,7 @@ pub struct FrontPoint {
 }
 
 /// A scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrontScene {
     /// The scene.
     pub scene: SceneRecord,
@@ -133,7 +133,7 @@ impl FrontPoint {
 
     /// The tracer with its preset unless it is the published one.
     pub fn config(&self) -> String {
-        if self.preset == "published" { self.tracer.clone() } else { format!("{}:{}", self.tracer, self.preset) }
+        config(&self.tracer, &self.preset)
     }
 
     /// What it has otherwise than its preset, as `name=value`.

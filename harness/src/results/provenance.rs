@@ -10,7 +10,7 @@ use crate::machine::{self, Machine};
 pub const RULES_VERSION: u32 = 3;
 
 /// Where something was measured, by which program, and when; flattened into the record of what was measured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Where it ran.
     pub machine: Machine,
@@ -55,6 +55,18 @@ impl Provenance {
         let further = (place as usize).checked_sub(1).and_then(|place| self.further_machines.get(place));
         further.unwrap_or(&self.machine)
     }
+
+    /// Here, by this program, now; with the device that is used, if one is.
+    pub fn now(gpu: Option<&Gpu>) -> Self {
+        Self {
+            machine: machine::this_machine(gpu),
+            commit: machine::COMMIT.to_owned(),
+            dirty: machine::dirty(),
+            started: machine::utc_now(),
+            rules_version: RULES_VERSION,
+            ..Self::default()
+        }
+    }
 }
 
 /// A part of a plan: whole scenes and viewpoints, dealt out in turn.
@@ -79,25 +91,6 @@ pub struct ConvertedFrom {
     pub file: String,
     /// Its schema.
     pub schema: u32,
-}
-
-impl Provenance {
-    /// Here, by this program, now; with the device that is used, if one is.
-    pub fn now(gpu: Option<&Gpu>) -> Self {
-        Self {
-            machine: machine::this_machine(gpu),
-            commit: machine::COMMIT.to_owned(),
-            dirty: machine::dirty(),
-            launch: None,
-            started: machine::utc_now(),
-            rules_version: RULES_VERSION,
-            resumed: Vec::new(),
-            plan_sha256: None,
-            shard: None,
-            further_machines: Vec::new(),
-            converted_from: None,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ fn is_first(place: &u32) -> bool {
 }
 
 /// A scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
     /// Catalogue name or file stem.
     pub name: String,
@@ -86,7 +86,7 @@ pub struct SceneRecord {
 }
 
 /// A viewpoint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ViewpointRecord {
     /// Name, or how it was found.
     pub name: String,
@@ -122,8 +122,13 @@ impl ViewpointRecord {
     }
 }
 
+/// A tracer with its preset unless it is the published one.
+pub(crate) fn config(name: &str, preset: &str) -> String {
+    if ["published", "control"].contains(&preset) { name.to_owned() } else { format!("{name}:{preset}") }
+}
+
 /// A parameter's value as the command line takes it.
-fn said(value: &serde_json::Value) -> String {
+pub(crate) fn said(value: &serde_json::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
@@ -145,10 +150,7 @@ pub struct TracerRecord {
 impl TracerRecord {
     /// Name with the preset unless it is the published one, and changed parameters: the label in tables and charts.
     pub fn label(&self) -> String {
-        let mut label = self.name.clone();
-        if self.preset != "published" && self.preset != "control" {
-            label = format!("{label}:{}", self.preset);
-        }
+        let mut label = config(&self.name, &self.preset);
         for name in &self.changed {
             if let Some(value) = self.parameters.get(name) {
                 label = format!("{label} {name}={}", said(value));

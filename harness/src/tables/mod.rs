@@ -84,36 +84,33 @@ impl Table {
         Self::all().find(|table| table.name() == name)
     }
 
+    /// Its name, what it shows, and its ray sets.
+    fn words(self) -> [&'static str; 3] {
+        match self {
+            Self::Settings(table) => [table.name, table.summary, table.rays],
+            Self::Study(study) => [study.name, study.summary, study.rays],
+            Self::Paper(_, experiment) => [experiment.name, experiment.summary, experiment.rays],
+            Self::Claims(paper) => [
+                paper.claims_table,
+                "all that the paper claims, with a verdict on every claim by the runs of its tables that --from names",
+                "",
+            ],
+        }
+    }
+
     /// Its stable name; files are named after it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Settings(table) => table.name,
-            Self::Study(study) => study.name,
-            Self::Paper(_, experiment) => experiment.name,
-            Self::Claims(paper) => paper.claims_table,
-        }
+        self.words()[0]
     }
 
     /// What it shows, in one line.
     pub fn summary(self) -> &'static str {
-        match self {
-            Self::Settings(table) => table.summary,
-            Self::Study(study) => study.summary,
-            Self::Paper(_, experiment) => experiment.summary,
-            Self::Claims(_) => {
-                "all that the paper claims, with a verdict on every claim by the runs of its tables that --from names"
-            }
-        }
+        self.words()[1]
     }
 
     /// Ray sets where nothing else is said, as `--rays` takes them.
     pub fn rays(self) -> &'static str {
-        match self {
-            Self::Settings(table) => table.rays,
-            Self::Study(study) => study.rays,
-            Self::Paper(_, experiment) => experiment.rays,
-            Self::Claims(_) => "",
-        }
+        self.words()[2]
     }
 
     /// Whether it is over animations, or along the camera's path.

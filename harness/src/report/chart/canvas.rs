@@ -12,6 +12,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, WHITE, register_font};
 
 use super::palette::{Shape, Style};
+use crate::picture::encoded;
 
 /// Backend pixels a point: plotters takes whole pixels only, so small ones make positions exact and PNGs sharp.
 pub(super) const SCALE: f64 = 2.0;
@@ -264,14 +265,7 @@ pub(super) fn to_png(figure: &impl Figure) -> Result<Vec<u8>, DrawError> {
     let mut pixels = vec![0; width as usize * height as usize * 3];
     let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
     paint(figure, area, 0.1)?;
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header().map_err(DrawError::new)?;
-    writer.write_image_data(&pixels).map_err(DrawError::new)?;
-    writer.finish().map_err(DrawError::new)?;
-    Ok(file)
+    encoded([width, height], &pixels, |encoder| encoder.set_color(png::ColorType::Rgb)).map_err(DrawError::new)
 }
 
 fn paint<DB: DrawingBackend>(figure: &impl Figure, area: DrawingArea<DB, Shift>, text_drop: f64) -> Drawn {

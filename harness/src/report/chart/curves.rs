@@ -5,7 +5,7 @@ use super::axis::log_range;
 use super::palette::Style;
 use super::panel::{Aside, Axis, Control, Mark, Panel, Position, Scale};
 use super::{LONGEST_VALUE, cut};
-use crate::report::sheet::Accuracy;
+pub(super) use crate::studies::pareto::Amount as Measured;
 use crate::studies::sweep::Multiple;
 
 const FILLED: f64 = 4.0;
@@ -14,33 +14,6 @@ const HOLLOW: f64 = 6.0;
 const WIDTHS: [f64; 2] = [2.0, 1.0];
 /// The most labels of an axis of logarithms.
 const LABELS: usize = 5;
-
-/// A value with its interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Measured {
-    /// The value.
-    pub value: f64,
-    /// Its interval.
-    pub interval: [f64; 2],
-}
-
-impl Measured {
-    /// A value that is known exactly.
-    pub(super) fn exact(value: f64) -> Self {
-        Self { value, interval: [value; 2] }
-    }
-
-    /// How often answers are wrong, of how often they are right.
-    pub(super) fn wrong(right: &Accuracy) -> Option<Self> {
-        let [low, high] = right.interval.unwrap_or([right.share?; 2]);
-        Some(Self { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
-    }
-
-    /// Whether it is a number with an interval of numbers.
-    pub(super) fn is_finite(&self) -> bool {
-        self.value.is_finite() && self.interval.iter().all(|end| end.is_finite())
-    }
-}
 
 /// A curve.
 #[derive(Debug)]

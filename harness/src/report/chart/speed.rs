@@ -116,8 +116,8 @@ fn panel(set: &RaySet<'_>, (points, controls): Shown, [x, y]: &[Scale; 2]) -> Pa
 
 fn errors(trace: &TraceRecord) -> Option<(Measured, Option<Measured>)> {
     match metrics::right_of(trace).as_slice() {
-        [_, tight, footprint] => Some((Measured::wrong(footprint)?, Measured::wrong(tight))),
-        [balanced] => Some((Measured::wrong(balanced)?, None)),
+        [_, tight, footprint] => Some((footprint.wrong_share()?, tight.wrong_share())),
+        [balanced] => Some((balanced.wrong_share()?, None)),
         _ => None,
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::pieces::escape;
 use super::read::Read;
 use crate::report::Study;
-use crate::results::{Record, Row, TracerRecord};
+use crate::results::{Record, config};
 use itertools::Itertools as _;
 
 /// What is said of the commands of records.
@@ -37,7 +37,9 @@ fn of_record(record: &Record) -> String {
     // Tables have their own tracers.
     match record.table.as_ref().filter(|_| verb == "table") {
         Some(table) => words.push(quoted(table)),
-        None => option(&mut words, "--tracer", record.rows.iter().map(config)),
+        None => {
+            option(&mut words, "--tracer", record.rows.iter().map(|row| config(&row.tracer.name, &row.tracer.preset)));
+        }
     }
     if let Some(tuning) = &record.tuning {
         option(&mut words, "--choose", [tuning.rule.name().to_owned()].into_iter());
@@ -50,12 +52,6 @@ fn of_record(record: &Record) -> String {
         option(&mut words, "--seed", [record.seed.to_string()].into_iter());
     }
     words.join(" ")
-}
-
-/// A tracer with its preset, as an argument names it.
-fn config(row: &Row) -> String {
-    let TracerRecord { name, preset, .. } = &row.tracer;
-    if preset == "published" { name.clone() } else { format!("{name}:{preset}") }
 }
 
 /// An option with its values, each once; without one nothing.

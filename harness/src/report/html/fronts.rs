@@ -12,7 +12,7 @@ use crate::report::document::Document;
 use crate::report::format::with_interval;
 use crate::report::pareto::page;
 use crate::report::{ReportError, metrics};
-use crate::results::FrontPoint;
+use crate::results::{self, FrontPoint};
 use crate::studies::pareto::{By, Cost, FrontStatus, Wrong};
 
 /// Charts of fronts, with who is on them.
@@ -115,8 +115,8 @@ fn id(place: &Place<'_>, index: usize) -> String {
 }
 
 fn parameters(point: &FrontPoint) -> String {
-    let said = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    let all: Vec<String> = point.parameters.iter().map(|(name, value)| format!("{name}={}", said(value))).collect();
+    let all: Vec<String> =
+        point.parameters.iter().map(|(name, value)| format!("{name}={}", results::said(value))).collect();
     all.join(" ")
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::pieces::Tags;
 use crate::report::{RUN_FILE, group};
-use crate::results::{FrontPoint, FrontScene, ParetoRecord, Record, Row};
+use crate::results::{FrontPoint, FrontScene, ParetoRecord, Record, Row, said};
 use crate::studies::pareto::RAYS_PER_PIXEL;
 
 /// A record.
@@ -102,10 +102,8 @@ fn points(record: &Record) -> Option<ParetoRecord> {
         let scene = |group: group::Group<'_>| FrontScene {
             scene: group.scene.clone(),
             viewpoint: group.viewpoint.clone(),
-            held_out: None,
             held_out_skipped: Some("it is of a plain run".to_owned()),
-            ray_images: Vec::new(),
-            pictures: Vec::new(),
+            ..FrontScene::default()
         };
         let scenes = group::groups(record).into_iter().filter(|group| !group.configs.is_empty()).map(scene).collect();
         ParetoRecord { max_points: points.len() as u32, rays_per_pixel: RAYS_PER_PIXEL.to_vec(), points, scenes }
@@ -113,7 +111,6 @@ fn points(record: &Record) -> Option<ParetoRecord> {
 }
 
 fn point(row: &Row, order: u32) -> FrontPoint {
-    let said = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let changed = row.tracer.changed.iter();
     let values = changed.filter_map(|name| Some((name.clone(), said(row.tracer.parameters.get(name)?))));
     FrontPoint {

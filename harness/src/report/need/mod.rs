@@ -9,7 +9,7 @@ use super::format::{self, significant, thousands};
 use super::group::{groups, stems};
 use super::sheet::Sheet;
 use super::{Report, ReportError, Tables, rows};
-use crate::results::{NeedCurve, NeedRecord, Record, SceneRecord};
+use crate::results::{self, NeedCurve, NeedRecord, Record, SceneRecord};
 use crate::studies::need::{Axis, Curve, Step, curves};
 use itertools::Itertools as _;
 use std::ptr;
@@ -79,8 +79,7 @@ fn shown<'a>(record: &'a Record, curves: &'a [Curve<'a>]) -> Vec<Shown<'a>> {
 
 /// A tracer with its preset unless it is the published one.
 fn config(curve: &NeedCurve) -> String {
-    let (tracer, preset) = (&curve.tracer, &curve.preset);
-    if preset == "published" { tracer.clone() } else { format!("{tracer}:{preset}") }
+    results::config(&curve.tracer, &curve.preset)
 }
 
 /// A panel a tracer and axis: what its steps lose, from every viewpoint. None where there is nothing to shrink.

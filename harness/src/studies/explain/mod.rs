@@ -58,7 +58,7 @@ pub fn execute(
     remedies: &[Remedy],
     context: &Context<'_>,
 ) -> Result<Record, RunError> {
-    let fail = |error: TracerError| RunError::Tracer { tracer: request.name().to_owned(), error };
+    let fail = |error: TracerError| RunError::Tracer(request.name().to_owned(), error);
     let steps = steps(request, remedies).map_err(fail)?;
     let judged = request.registration.otherwise.is_none();
     // A step that changes nothing, as one of six views does where there are six, is what the one before was.
@@ -93,7 +93,7 @@ pub fn execute(
             Ok(serde_json::to_value(explained(remedies, rays, &found, judge)?).unwrap_or_default())
         };
         let options = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
-        let mut found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
+        let mut found = measure::measure_scene(index, plan, (scene, None), &requests, options, Some(&hook), context)?;
         let mut left_out = BTreeMap::new();
         for (place, row) in found.rows.iter().enumerate() {
             match (row, place.checked_sub(1).and_then(|_| places.iter().position(|of| *of == place))) {
@@ -105,7 +105,7 @@ pub fn execute(
                 }
                 (Err(refusal), _) => {
                     let tracer = records::request_record(&requests[place].tracer).label();
-                    return Err(RunError::Tracer { tracer, error: TracerError::Failed(refusal.reason.clone()) });
+                    return Err(RunError::Tracer(tracer, TracerError::Failed(refusal.reason.clone())));
                 }
             }
         }

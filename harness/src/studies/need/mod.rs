@@ -22,7 +22,7 @@ use crate::measure::{self, Context, MAX_RESIDENT, MeasureOptions, Measured, Obse
 use crate::plan::{Plan, Resolution, RunPreset, TracerRequest, ViewRequest};
 use crate::registrations::Shrink;
 use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Record, Skipped};
-use crate::studies::sweep::{Multiple, RESOLUTION};
+use crate::studies::sweep::{RESOLUTION, with_values};
 
 /// A structure is too small when the upper end of the interval of newly wrong less newly right rays is beyond this share.
 pub const MAX_LOST_SHARE: f64 = 0.001;
@@ -66,19 +66,8 @@ fn smaller(request: &TracerRequest, shrink: &Shrink) -> Vec<&'static str> {
 
 /// A tracer with less of something; `None` where it does not take a value, or edges would be no whole pixels.
 fn shrunk(request: &TracerRequest, preset: RunPreset, values: BTreeMap<String, String>) -> Option<Shrunk> {
-    // Not being able to measure a step is no error.
-    let mut smaller = TracerRequest { required: false, ..request.clone() };
-    let mut resolved = preset;
-    for (axis, value) in &values {
-        if axis == RESOLUTION {
-            resolved = Multiple::parse(value)?.scale(preset).ok()?;
-        } else {
-            smaller.set(axis, value).ok()?;
-        }
-    }
-    let RunPreset { frame, face, .. } = resolved;
-    smaller.resolution = Some(Resolution { frame, face });
-    Some(Shrunk { values, request: smaller })
+    let (request, _) = with_values(request, preset, &values).ok()?;
+    Some(Shrunk { values, request })
 }
 
 /// The tracer as it was asked for, then every step of every axis. All are there at a time, so that every ray is answered by all.
@@ -152,7 +141,7 @@ pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Rec
                 let before = joint_before(&section.curves, request);
                 match curve(index, &here, view as u32, (request, &before), &mut record, context) {
                     Ok(curve) => section.curves.extend(curve),
-                    Err(error @ RunError::NoOtherView { .. }) => {
+                    Err(error @ RunError::NoOtherView(..)) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
                         let known = Skipped { tracer: None, scene, rays: None, reason };
                         if !record.skipped.contains(&known) {
@@ -259,7 +248,7 @@ fn place(
         Ok(serde_json::to_value(found).unwrap_or_default())
     };
     let options = MeasureOptions::timed(plan);
-    let mut found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
+    let mut found = measure::measure_scene(index, plan, (scene, None), &requests, options, Some(&hook), context)?;
     let of_set = |told: Value| {
         serde_json::from_value::<(String, Vec<Option<ChangedRays>>)>(told)
             .map_err(|error| RunError::Nothing(error.to_string()))

@@ -14,7 +14,7 @@ use tracebench_api::{Domain, Invalidation, ParameterDescription, Preset, Value};
 use crate::measure::records;
 use crate::plan::{Resolution, RunPreset, TracerRequest};
 use crate::results::{FrontPoint, MEMORY_ACCESS, RAYS_PER_LANE};
-use crate::studies::sweep::{Multiple, RESOLUTION, SweepError};
+use crate::studies::sweep::{Multiple, RESOLUTION, SweepError, with_values};
 
 /// Multiples of the resolution, from the nearest to the preset's outwards.
 const RESOLUTIONS: [&str; 4] = ["1/2", "2", "1/4", "1/8"];
@@ -178,19 +178,7 @@ pub fn design(
     values: BTreeMap<String, String>,
     order: u32,
 ) -> Result<Designed, SweepError> {
-    // Not being able to measure a point is no error.
-    let mut changed = TracerRequest { required: false, ..request.clone() };
-    let mut resolved = preset;
-    for (name, value) in &values {
-        if name == RESOLUTION {
-            let multiple = Multiple::parse(value).ok_or_else(|| SweepError::Multiple(value.clone()))?;
-            resolved = multiple.scale(preset)?;
-        } else {
-            changed.set(name, value).map_err(SweepError::Parameter)?;
-        }
-    }
-    let RunPreset { frame, face, .. } = resolved;
-    changed.resolution = Some(Resolution { frame, face });
+    let (changed, Resolution { frame, face }) = with_values(request, preset, &values)?;
     let point = FrontPoint {
         tracer: request.name().to_owned(),
         preset: request.preset.name().to_owned(),

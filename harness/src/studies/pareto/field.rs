@@ -5,8 +5,8 @@ use tracebench_api::{ClockKind, Query};
 
 use super::front::{CostAndError, FrontStatus, front, front_statuses};
 use crate::results::{
-    FrontPoint, FrontScene, Judgement, ParetoRecord, Record, Row, Rule, Timed, Times, TraceRecord, ViewpointRecord,
-    same_rays,
+    Accuracy, FrontPoint, FrontScene, Judgement, ParetoRecord, Record, Row, Rule, Timed, Times, TraceRecord,
+    ViewpointRecord, same_rays,
 };
 use crate::statistics::{median, median_interval, rule_of_three};
 use crate::studies::tune;
@@ -33,11 +33,31 @@ impl Amount {
         Self { value: self.value * factor, interval: if factor < 0.0 { [high, low] } else { [low, high] } }
     }
 
+    /// What is left to a share that this is.
+    #[must_use]
+    pub fn rest(self) -> Self {
+        let [low, high] = self.interval;
+        Self { value: (1.0 - self.value).max(0.0), interval: [high, low].map(|end| (1.0 - end).max(0.0)) }
+    }
+
+    /// Whether it is a number with an interval of numbers.
+    pub fn is_finite(&self) -> bool {
+        self.value.is_finite() && self.interval.iter().all(|end| end.is_finite())
+    }
+
     /// Both together, from the least of both to the greatest of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let ([low, high], [other_low, other_high]) = (self.interval, other.interval);
         Self { value: self.value + other.value, interval: [low + other_low, high + other_high] }
+    }
+}
+
+impl Accuracy {
+    /// How often answers are wrong.
+    pub(crate) fn wrong_share(&self) -> Option<Amount> {
+        let value = self.share?;
+        Some(Amount { value, interval: self.interval.unwrap_or([value; 2]) }.rest())
     }
 }
 
@@ -131,11 +151,9 @@ pub struct Wrong {
 impl Wrong {
     /// Of a trace; `None` if nothing could be judged.
     pub fn of(trace: &TraceRecord, by: By) -> Option<Self> {
-        let right = tune::score(&trace.judgement, by.rule())?;
-        let [low, high] = tune::interval(&trace.judgement, by.rule()).unwrap_or([right; 2]);
-        let wrong = |right: f64| (1.0 - right).max(0.0);
-        let share = Amount { value: wrong(right), interval: [wrong(high), wrong(low)] };
-        Some(Self { share, bound: bound(trace) })
+        let value = tune::score(&trace.judgement, by.rule())?;
+        let interval = tune::interval(&trace.judgement, by.rule()).unwrap_or([value; 2]);
+        Some(Self { share: Amount { value, interval }.rest(), bound: bound(trace) })
     }
 
     /// The share as it is drawn and compared with others: not below what can be told from none.

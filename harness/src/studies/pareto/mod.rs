@@ -101,13 +101,8 @@ impl Pareto {
     }
 
     /// The number of points.
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.points.len()
-    }
-
-    /// Whether there is nothing to measure.
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
     }
 
     /// Measures every point in every scene; what could not be is skipped with the reason.
@@ -140,14 +135,7 @@ impl Pareto {
         let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
         record.skipped.extend(blind(&found, &viewpoint));
         self.add(record, &all, found, &scene.name);
-        self.section.scenes.push(FrontScene {
-            scene,
-            viewpoint,
-            held_out: None,
-            held_out_skipped: None,
-            ray_images: Vec::new(),
-            pictures: Vec::new(),
-        });
+        self.section.scenes.push(FrontScene { scene, viewpoint, ..FrontScene::default() });
         let chosen: Vec<usize> = self.chosen(record).into_iter().collect();
         if chosen.is_empty() {
             return Ok(());
@@ -160,7 +148,7 @@ impl Pareto {
                 self.tell(|scene| scene.held_out = Some(held_out));
             }
             Ok(None) => {}
-            Err(error @ RunError::NoOtherView { .. }) => {
+            Err(error @ RunError::NoOtherView(..)) => {
                 let reason = error.to_string();
                 record.skipped.push(Skipped { tracer: None, scene: name.clone(), rays: None, reason: reason.clone() });
                 self.tell(|scene| scene.held_out_skipped = Some(reason));
@@ -210,7 +198,8 @@ impl Pareto {
     ) -> Result<Option<Measured>, RunError> {
         let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
         let requests: Vec<Request> = points.iter().map(|point| Request::of(&self.points[*point].request)).collect();
-        measure::measure_scene(index, plan, scene, &requests, MeasureOptions::timed(plan), None, context).map(Some)
+        measure::measure_scene(index, plan, (scene, None), &requests, MeasureOptions::timed(plan), None, context)
+            .map(Some)
     }
 
     /// Some points from another viewpoint, with rays of another seed and from other places in their pixels.
@@ -254,7 +243,7 @@ impl Pareto {
         let requests: Vec<Request> = points.iter().map(refit).collect();
         let (name, film) = (scene.name.clone(), still(&scene, plan.preset.sampling.min_rounds));
         let (frame, options) = ((scene, Some(film)), MeasureOptions::timed(&plan));
-        let mut found = measure::measure_film(index, &plan, frame, &requests, options, None, context)?;
+        let mut found = measure::measure_scene(index, &plan, frame, &requests, options, None, context)?;
         for row in found.rows.iter_mut().flatten() {
             row.update_mode = Some(UpdateModeRecord {
                 name: STILL_REFIT.to_owned(),
@@ -284,7 +273,7 @@ impl Pareto {
             pictures::paint(session, plan.preset.ray_image, rays, told, (&points, &names), results)
         };
         let options = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
-        let found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
+        let found = measure::measure_scene(index, plan, (scene, None), &requests, options, Some(&hook), context)?;
         let told = |value: Value| serde_json::from_value(value).map_err(|error| RunError::Picture(error.to_string()));
         let painted = found.hooked.into_iter().map(told).collect::<Result<Vec<SetPictures>, _>>()?;
         self.tell(|scene| scene.pictures = painted);

@@ -304,7 +304,8 @@ fn chosen_points_are_measured_again() {
     );
     let other = crate::plan::Shard { index: 2, count: 2, plan_sha256: String::new() };
     let quiet_journal = Journal::none();
-    let context = Context::new(&none, &cache, &quiet, &quiet_journal).of_shard(Some(other));
+    let mut context = Context::new(&none, &cache, &quiet, &quiet_journal);
+    context.shard = Some(other);
     let empty = Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap();
     assert!(empty.rows.is_empty() && empty.pareto.unwrap().scenes.is_empty());
 }

@@ -86,7 +86,7 @@ pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>)
         let tracer = candidate.request.name().to_owned();
         match context.create(&candidate.request) {
             Ok(()) => {}
-            Err(error) if candidate.request.required => return Err(RunError::Tracer { tracer, error }),
+            Err(error) if candidate.request.required => return Err(RunError::Tracer(tracer, error)),
             Err(error) => {
                 *absent = true;
                 context.progress.say(&format!("skipped {tracer}: {error}"));
@@ -185,10 +185,7 @@ fn placed(case: &Case, difficulty_level: f64, gpu: Option<&Arc<Gpu>>) -> Result<
         sha256: hash::sha256_of(parts.as_bytes()),
         triangles: triangles.len() as u64,
         diagonal: session.truth().diagonal(),
-        scale: None,
-        zero_area_triangles_dropped: 0,
-        duplicate_triangles_kept: 0,
-        warnings: Vec::new(),
+        ..SceneRecord::default()
     };
     let rays = [setup.rays.len() as u32, 1];
     let viewpoint = records::viewpoint_of("given", &setup.viewpoint, rays, 0.0);

@@ -149,16 +149,14 @@ fn as_expected(expected: &ExpectationRecord, measured: &[Measured]) -> (Verdict,
 }
 
 fn in_words(unexpected_outcome: UnexpectedOutcome, at: &str) -> (Verdict, String) {
-    match unexpected_outcome {
-        UnexpectedOutcome::Failure { wrong, rule, allowed } => {
-            let (wrong, allowed, rule) = (percent(wrong), percent(allowed), rule.name());
-            let text = format!("UNEXPECTED failure {at}: {wrong} wrong under {rule}, at most {allowed} expected");
-            (Verdict::UnexpectedFailure, text)
+    let (verdict, what, end, [wrong, expected], rule) = match unexpected_outcome {
+        UnexpectedOutcome::Failure(wrong, rule, at_most) => {
+            (Verdict::UnexpectedFailure, "failure", "most", [wrong, at_most], rule.name())
         }
-        UnexpectedOutcome::Success { wrong, rule, expected } => {
-            let (wrong, expected, rule) = (percent(wrong), percent(expected), rule.name());
-            let text = format!("UNEXPECTED success {at}: {wrong} wrong under {rule}, at least {expected} expected");
-            (Verdict::UnexpectedSuccess, text)
+        UnexpectedOutcome::Success(wrong, rule, at_least) => {
+            (Verdict::UnexpectedSuccess, "success", "least", [wrong, at_least], rule.name())
         }
-    }
+    };
+    let [wrong, expected] = [wrong, expected].map(percent);
+    (verdict, format!("UNEXPECTED {what} {at}: {wrong} wrong under {rule}, at {end} {expected} expected"))
 }

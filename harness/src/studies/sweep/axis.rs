@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use tracebench_api::{Domain, ParameterDescription, ParameterError, Value};
 
 use super::SweepError;
-use crate::plan::{LARGEST_EDGE, LARGEST_FACE, RunPreset, TracerRequest};
+use crate::plan::{LARGEST_EDGE, LARGEST_FACE, Resolution, RunPreset, TracerRequest};
 use crate::results::AxisRecord;
 
 /// The name of the axis that is no parameter of the tracer.
@@ -54,7 +54,7 @@ impl Multiple {
         let frame = preset.frame.map(|edge| self.of(edge, LARGEST_EDGE));
         match (frame, self.of(preset.face, LARGEST_FACE)) {
             ([Some(width), Some(height)], Some(face)) => Ok(RunPreset { frame: [width, height], face, ..preset }),
-            _ => Err(SweepError::Resolution { multiple: self.to_string(), frame: preset.frame, face: preset.face }),
+            _ => Err(SweepError::Resolution(self.to_string(), preset.frame, preset.face)),
         }
     }
 }
@@ -63,6 +63,30 @@ impl std::fmt::Display for Multiple {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.over == 1 { write!(f, "{}", self.times) } else { write!(f, "{}/{}", self.times, self.over) }
     }
+}
+
+/// A tracer with other values, at the resolution that they name: not being able to measure it is no error.
+///
+/// # Errors
+/// [`SweepError`] for a value that a parameter does not take, or edges that would be no whole pixels.
+pub fn with_values<'v>(
+    request: &TracerRequest,
+    preset: RunPreset,
+    values: impl IntoIterator<Item = (&'v String, &'v String)>,
+) -> Result<(TracerRequest, Resolution), SweepError> {
+    let mut changed = TracerRequest { required: false, ..request.clone() };
+    let RunPreset { mut frame, mut face, .. } = preset;
+    for (name, value) in values {
+        if name == RESOLUTION {
+            let multiple = Multiple::parse(value).ok_or_else(|| SweepError::Multiple(value.clone()))?;
+            RunPreset { frame, face, .. } = multiple.scale(preset)?;
+        } else {
+            changed.set(name, value).map_err(SweepError::Parameter)?;
+        }
+    }
+    let resolution = Resolution { frame, face };
+    changed.resolution = Some(resolution);
+    Ok((changed, resolution))
 }
 
 /// The axis of resolutions.
@@ -131,7 +155,7 @@ fn order(described: &ParameterDescription, a: &Value, b: &Value) -> Ordering {
 
 fn whole(axis: AxisRecord) -> Result<AxisRecord, SweepError> {
     if axis.values.len() > MAX_VALUES {
-        return Err(SweepError::TooManyValues { name: axis.name, values: axis.values.len() });
+        return Err(SweepError::TooManyValues(axis.name, axis.values.len()));
     }
     Ok(axis)
 }

@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use tracebench_api::ParameterError;
 use tracebench_scenes::Scene;
 
-pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis};
+pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis, with_values};
 
 use crate::measure::{self, Context, MeasureOptions, Measured, Request, RunError, records};
-use crate::plan::{Plan, Resolution, RunPreset, TracerRequest};
+use crate::plan::{Plan, Resolution, TracerRequest};
 use crate::results::{AxisRecord, PointRecord, Record, SceneRecord, Skipped, SweepRecord, ViewpointRecord};
 
 /// The most points of a sweep: a page has room for no more.
@@ -27,31 +27,19 @@ pub enum SweepError {
     /// No multiple of a resolution.
     #[error("resolution = '{0}' is not allowed: N or 1/N, with N from 1 to 64")]
     Multiple(String),
-    /// A multiple that the preset's resolution does not have.
+    /// A multiple that the preset's resolution, its frame and its faces, does not have.
     #[error(
-        "resolution = '{multiple}' of frame {}x{} and faces of {face} has edges that are no whole pixels or too large; \
+        "resolution = '{0}' of frame {width}x{height} and faces of {2} has edges that are no whole pixels or too large; \
          choose others with --frame-size and --face-size",
-        frame[0], frame[1]
+        width = .1[0], height = .1[1]
     )]
-    Resolution {
-        /// The multiple.
-        multiple: String,
-        /// The preset's frame.
-        frame: [u32; 2],
-        /// The preset's faces.
-        face: u32,
-    },
+    Resolution(String, [u32; 2], u32),
     /// A parameter whose description names no values, and none were given.
     #[error("{0} has no values worth sweeping; give some as {0}=...")]
     NothingToSweep(String),
-    /// More values than a chart has room for.
-    #[error("{name} has {values} values, {MAX_VALUES} are the most")]
-    TooManyValues {
-        /// The axis.
-        name: String,
-        /// Its number of values.
-        values: usize,
-    },
+    /// So many values of an axis: more than a chart has room for.
+    #[error("{0} has {1} values, {MAX_VALUES} are the most")]
+    TooManyValues(String, usize),
     /// More points than can be held.
     #[error("{0} points, {MAX_POINTS} are the most; sweep fewer values")]
     TooManyPoints(usize),
@@ -117,20 +105,11 @@ impl Sweep {
     }
 
     fn add(&mut self, request: &TracerRequest, values: BTreeMap<String, String>) -> Result<(), SweepError> {
-        // Not being able to measure a point is no error.
-        let mut request = TracerRequest { required: false, ..request.clone() };
-        let mut preset = self.plan.preset;
-        for axis in &self.record.axes {
-            let value = values.get(&axis.name).unwrap_or(&axis.own);
-            if axis.name == RESOLUTION {
-                let multiple = Multiple::parse(value).ok_or_else(|| SweepError::Multiple(value.clone()))?;
-                preset = multiple.scale(self.plan.preset)?;
-            } else if *value != axis.own {
-                request.set(&axis.name, value).map_err(SweepError::Parameter)?;
-            }
-        }
-        let RunPreset { frame, face, .. } = preset;
-        request.resolution = Some(Resolution { frame, face });
+        let others = self.record.axes.iter().filter_map(|axis| {
+            let value = values.get(&axis.name)?;
+            (*value != axis.own).then_some((&axis.name, value))
+        });
+        let (request, Resolution { frame, face }) = with_values(request, self.plan.preset, others)?;
         let parameters = records::json_values(&request.parameters);
         self.record.points.push(PointRecord { values, parameters, frame, face, skipped: BTreeMap::new() });
         self.plan.tracers.push(request);
@@ -138,13 +117,8 @@ impl Sweep {
     }
 
     /// The number of points.
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.record.points.len()
-    }
-
-    /// Whether there is nothing to measure.
-    pub fn is_empty(&self) -> bool {
-        self.record.points.is_empty()
     }
 
     /// Measures every point in every scene; what could not be is skipped with the reason.
@@ -173,7 +147,7 @@ impl Sweep {
         context: &Context<'_>,
     ) -> Result<(SceneRecord, ViewpointRecord), RunError> {
         let requests: Vec<Request> = self.plan.tracers.iter().map(Request::of).collect();
-        let found = measure::measure_scene(index, plan, scene, &requests, options, None, context)?;
+        let found = measure::measure_scene(index, plan, (scene, None), &requests, options, None, context)?;
         let (told, name) = ((found.scene.clone(), found.viewpoint.clone()), place(&found));
         for (point, (_, refusal)) in measure::add(run, found) {
             self.record.points[point].skipped.insert(name.clone(), refusal.reason);

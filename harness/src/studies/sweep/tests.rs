@@ -10,7 +10,7 @@ use tracebench_bvh::BvhCpu;
 
 use super::*;
 use crate::measure::Journal;
-use crate::plan::{SceneSource, ViewRequest};
+use crate::plan::{RunPreset, SceneSource, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{Family, Registration};

@@ -76,7 +76,7 @@ impl Tune {
                     }
                     // Another viewpoint stands beside the own one or nowhere.
                     Ok(_) => break,
-                    Err(error @ RunError::NoOtherView { .. }) => {
+                    Err(error @ RunError::NoOtherView(..)) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
                         record.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
                         break;

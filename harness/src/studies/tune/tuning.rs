@@ -158,9 +158,7 @@ impl Tuning {
             skipped: record.skipped.clone(),
         })
     }
-}
 
-impl Tuning {
     /// The value that a label has for a ray set from a scene's own viewpoint; `None` where there is no such scene or set, or nothing
     /// to choose by.
     pub fn value_from_own_viewpoint(&self, scene: &str, rays: &str, label: Label) -> Option<&str> {

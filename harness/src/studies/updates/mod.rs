@@ -73,6 +73,7 @@ pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -
     let samples = plan.preset.sampling.min_rounds;
     // Every frame of a film is counted, of a walk one frame at a time.
     let passes = if frame_scene_sha256 { samples } else { samples.div_ceil(frames) };
+    let update_modes: Vec<_> = std::iter::once(None).chain(UPDATE_MODES.iter().map(Some)).collect();
     let mut updates = UpdatesRecord { frames, passes, scenes: Vec::new() };
     for (index, scene) in measure::load_at(plan, None, context.progress)?.into_iter().enumerate() {
         if !context.takes(index) {
@@ -89,7 +90,11 @@ pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -
         }
         let film = Followed::new(scene, frames)?;
         updates.scenes.push(film.record());
-        measure_film(index, plan, film, passes, &mut record, context)?;
+        let Followed { scene, positions, .. } = film;
+        let plan = Plan { time_s: scene.time_s, ..plan.clone() };
+        let roles = roles(&plan, &scene.name, &update_modes, &mut record);
+        let film = AnimationFrames::new(&scene, positions, None, passes);
+        measure_roles(index, &plan, scene, Some(film), &roles, &mut record, context)?;
     }
     if record.rows.is_empty() && context.shard.is_none() {
         let reason = |skipped: &Skipped| format!("{}: {}", skipped.scene, skipped.reason);
@@ -189,30 +194,14 @@ fn roles<'a>(
             match served {
                 Ok(()) => roles.push(role),
                 Err(error) => {
-                    let (tracer, reason) =
-                        (Some(format!("{} ({})", request.name(), role.update_mode())), error.to_string());
+                    let tracer = Some(format!("{} ({})", request.name(), role.update_mode()));
+                    let reason = error.to_string();
                     record.skipped.push(Skipped { tracer, scene: scene.to_owned(), rays: None, reason });
                 }
             }
         }
     }
     roles
-}
-
-fn measure_film(
-    index: usize,
-    plan: &Plan,
-    film: Followed,
-    passes: u32,
-    record: &mut Record,
-    context: &Context<'_>,
-) -> Result<(), RunError> {
-    let Followed { scene, positions, .. } = film;
-    let plan = Plan { time_s: scene.time_s, ..plan.clone() };
-    let update_modes: Vec<_> = std::iter::once(None).chain(UPDATE_MODES.iter().map(Some)).collect();
-    let roles = roles(&plan, &scene.name, &update_modes, record);
-    let film = AnimationFrames::new(&scene, positions, None, passes);
-    measure_roles(index, &plan, scene, Some(film), &roles, record, context)
 }
 
 /// Measures roles in a scene, which is the last frame of the film, if there is one.
@@ -228,7 +217,7 @@ fn measure_roles(
     let asked = roles.iter().filter_map(|role| Some((role, role.asked()?)));
     let (roles, requests): (Vec<&Role<'_>>, Vec<Request>) = asked.unzip();
     let options = MeasureOptions::timed(plan);
-    let mut found = measure::measure_film(index, plan, (scene, film), &requests, options, None, context)?;
+    let mut found = measure::measure_scene(index, plan, (scene, film), &requests, options, None, context)?;
     for (row, role) in found.rows.iter_mut().zip(roles.iter().copied()) {
         if let Ok(row) = row {
             *row = row_of(row.clone(), role);
@@ -243,16 +232,15 @@ fn measure_roles(
 /// What was measured of a tracer that was asked for otherwise than it went.
 fn row_of(row: Row, role: &Role<'_>) -> Row {
     let parameters = records::json_values(&role.request.parameters);
-    let mut of_update_mode = row.tracer.parameters.clone();
-    of_update_mode.retain(|name, value| parameters.get(name) != Some(value));
-    let (frame_index, stale_by) = (role.frame, role.stale_by.clone());
+    let mut update_mode = UpdateModeRecord {
+        name: role.update_mode().to_owned(),
+        parameters: row.tracer.parameters.clone(),
+        frame_index: role.frame,
+        stale_by: role.stale_by.clone(),
+    };
+    update_mode.parameters.retain(|name, value| parameters.get(name) != Some(value));
     Row {
-        update_mode: Some(UpdateModeRecord {
-            name: role.update_mode().to_owned(),
-            parameters: of_update_mode,
-            frame_index,
-            stale_by,
-        }),
+        update_mode: Some(update_mode),
         tracer: TracerRecord { parameters, changed: role.request.changed.clone(), ..row.tracer },
         ..row
     }

@@ -40,7 +40,7 @@ pub(super) fn measure(
     let geometry = Geometry::new(first.mesh.positions.clone(), first.mesh.triangles.clone(), None)?;
     let poses = match poses(&first, &geometry, frames) {
         Ok(poses) => poses,
-        Err(error @ RunError::NoOtherView { .. }) => {
+        Err(error @ RunError::NoOtherView(..)) => {
             let (scene, reason) = (first.name, format!("it has no camera path, and {error}"));
             record.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
             return Ok(None);

@@ -12,7 +12,7 @@ use super::palette::{INK, PLAIN, Shape, Style, Styles};
 use super::panel::Chart;
 use super::{LONGEST_VALUE, caption, cut, name_with_unit, panel_title, titles};
 use crate::report::sweep::{Curve, View};
-use crate::results::Record;
+use crate::results::{Record, said};
 use crate::studies::sweep::RESOLUTION;
 use panels::{Rule, build, errors, errors_by, memory, rules, speed};
 
@@ -90,9 +90,8 @@ fn frame(record: &Record, view: &View<'_>, panels: usize, legend: Vec<Entry>) ->
 fn others(record: &Record, view: &View<'_>) -> String {
     let point = record.sweep.as_ref().and_then(|sweep| sweep.points.first());
     let along = |name: &str| name == view.axis.name || view.other.is_some_and(|other| other.name == name);
-    let value = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let parameters = point.into_iter().flat_map(|point| &point.parameters).filter(|(name, _)| !along(name));
-    let parts: Vec<_> = parameters.map(|(name, v)| format!("{name}={}", cut(&value(v), LONGEST_VALUE))).collect();
+    let parts: Vec<_> = parameters.map(|(name, v)| format!("{name}={}", cut(&said(v), LONGEST_VALUE))).collect();
     let size = point.filter(|_| !along(RESOLUTION)).map(|point| {
         let [width, height] = point.frame;
         format!("frame {width}×{height}, faces {}", point.face)

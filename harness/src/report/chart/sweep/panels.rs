@@ -26,7 +26,7 @@ pub(super) fn rules(query: Query) -> Vec<Rule> {
 
 /// How often answers are wrong by a rule.
 fn wrong(trace: &TraceRecord, (_, place): Rule) -> Option<Measured> {
-    Measured::wrong(metrics::right_of(trace).get(place)?)
+    metrics::right_of(trace).get(place)?.wrong_share()
 }
 
 /// A figure of each of a view's curves, which have so many styles, in the order of the axis.
