@@ -83,7 +83,7 @@ fn converted(value: Value, below: &str) -> Value {
 
 /// The record in a folder, or the file itself.
 fn file(path: &Path) -> PathBuf {
-    let inside = ["run.json", "run.json.gz", "clock.json"].map(|name| path.join(name));
+    let inside = ["run.json", "run.json.gz", "clock.json", "clock.json.gz"].map(|name| path.join(name));
     inside.into_iter().find(|file| file.is_file()).unwrap_or_else(|| path.to_owned())
 }
 
