@@ -16,6 +16,7 @@ pub const TRACERS: &[Registration] = &[
     registrations::quadtree::REGISTRATION,
     registrations::screen_dda::REGISTRATION,
     registrations::height_field::REGISTRATION,
+    registrations::mesh_warp::REGISTRATION,
 ];
 
 /// Finds a tracer by name.

@@ -22,6 +22,8 @@ pub enum Manner {
     Unsound,
     /// Says of its structure what is no number.
     Numberless,
+    /// Does not serve rays, whichever they are.
+    Unserving,
     /// Takes its time for a buffer without answers, and none for one that has some; misses every ray.
     Lazy,
 }
@@ -62,6 +64,9 @@ impl Structure for FakeStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        if self.manner == Manner::Unserving {
+            return Err(TracerError::Unsupported("rays of any kind".to_owned()));
+        }
         let hits = hits.host_mut(job.rays.host.len())?;
         clock.host_phase("answer", || {
             if self.manner == Manner::Lazy && hits.iter().all(|hit| hit.status != Status::Miss as u32) {

@@ -156,6 +156,11 @@ pub fn ray(origin: DVec3, direction: DVec3) -> Ray {
     }
 }
 
+/// The same rays from one point: for tracers that serve no others.
+pub fn from_one_point(rays: &[Ray], origin: [f32; 3]) -> Vec<Ray> {
+    rays.iter().map(|ray| Ray { origin, ..*ray }).collect()
+}
+
 /// Geometry of triangles that share no vertices, on the device as well if there is one.
 ///
 /// # Panics

@@ -9,11 +9,22 @@ use tracebench_api::glam::Vec3;
 use tracebench_api::{Counter, Geometry, Gpu, PhaseClock, Query, Ray, Residency, Structure, Update, Viewpoint};
 use tracebench_harness::rays::primary_rays;
 use tracebench_harness::registry::{Family, TRACERS};
-use tracebench_tests::{available, gpu, viewpoint};
+use tracebench_tests::{Numbers, available, gpu, ray, viewpoint};
 
 /// A camera in the room that looks along it.
 fn camera(frame: [u32; 2]) -> Viewpoint {
     viewpoint(Vec3::new(0.3, 1.4, 0.5), Vec3::new(0.9, 1.2, 3.0), 0.01, 40.0, frame)
+}
+
+/// Rays as a tracer serves them; where it wants them all from one point, from the camera's eye over its view.
+fn served(name: &str, rays: &[Ray]) -> Vec<Ray> {
+    let registration = TRACERS.iter().find(|registration| name.split(' ').next() == Some(registration.name()));
+    if !registration.is_some_and(|registration| registration.one_origin) {
+        return rays.to_vec();
+    }
+    let (view, mut numbers) = (camera([96, 64]).frame_view(), Numbers::new(62));
+    let mut seen = || view.direction_through(96.0 * numbers.unit(), 64.0 * numbers.unit());
+    rays.iter().map(|_| ray(view.eye, seen())).collect()
 }
 
 /// Every tracer that counts what is touched, and of hierarchies both kinds of node.
@@ -63,8 +74,8 @@ fn touched(counters: &[Counter]) -> Vec<(&'static str, u64)> {
 fn touched_is_a_part_of_what_is_stored() {
     let gpu = gpu();
     let (geometry, rays) = room(&gpu);
-    let rays = &rays[..600];
     for (name, family, subject) in subjects(&gpu) {
+        let rays = &served(&name, &rays[..600])[..];
         let structure = build(&subject, family, &geometry, &camera([96, 64]));
         let statistics = structure.validate(&geometry).unwrap();
         for query in [Query::Closest, Query::Any] {
@@ -99,7 +110,7 @@ fn one_ray_touches_what_it_visits() {
     for (name, family, subject) in subjects(&gpu).into_iter().filter(|(name, ..)| !name.starts_with("ray-query")) {
         let structure = build(&subject, family, &geometry, &camera([96, 64]));
         let mut at_work = 0;
-        for ray in &rays[..40] {
+        for ray in &served(&name, &rays[..40]) {
             let (found, counters) = subject.answer(&*structure, std::slice::from_ref(ray), Query::Closest);
             let count = |name: &str| total(&counters, name);
             let has = |name: &str| counters.iter().any(|counter| counter.name == name);
@@ -107,6 +118,12 @@ fn one_ray_touches_what_it_visits() {
             if has("pixels_touched") {
                 assert!(count("pixels_touched") <= count("depth_samples"), "{name}");
                 assert!(!found[0].is_hit() || count("pixels_touched") >= 1.0, "{name}");
+                continue;
+            }
+            if has("vertices_touched") {
+                assert_eq!(count("vertices_touched"), 3.0 * count("triangles_read"), "{name}");
+                assert!(count("triangles_read") <= count("pixels_read") && count("pixels_read") <= 1.0, "{name}");
+                assert!(!found[0].is_hit() || count("triangles_read") == 1.0, "{name}");
                 continue;
             }
             if has("leaves_touched") {

@@ -32,7 +32,8 @@ pub(crate) struct DoubledWork {
 }
 
 impl InterleavedSet<'_> {
-    /// The first configuration by the plan's order on each clock, ready to do its work twice.
+    /// The first configuration by the plan's order on each clock, ready to do its work twice; one that may refuse the rays where there is no
+    /// other.
     pub(super) fn doubles(&mut self, rays: &PreparedRays) -> Vec<DoubledWork> {
         let first = |interleaved_set: &mut Self, residency: Residency| {
             let wanted = |interleaved_set: &mut Self, participant: usize| {
@@ -40,7 +41,13 @@ impl InterleavedSet<'_> {
                     && interleaved_set.participants[participant].out.is_none()
                     && interleaved_set.config(participant).description.residency == residency
             };
-            (0..interleaved_set.participants.len()).find(|participant| wanted(interleaved_set, *participant))
+            let all = 0..interleaved_set.participants.len();
+            let wanted: Vec<usize> = all.filter(|participant| wanted(interleaved_set, *participant)).collect();
+            let may_refuse = |participant: &usize| {
+                let request = interleaved_set.participants[*participant].request.as_ref();
+                request.is_some_and(|request| request.registration.one_origin)
+            };
+            wanted.into_iter().min_by_key(may_refuse)
         };
         let mut doubles = Vec::new();
         for residency in [Residency::Host, Residency::Device] {
@@ -56,8 +63,8 @@ impl InterleavedSet<'_> {
     /// Lets one do its work twice. What goes wrong takes nobody out: the same work done once tells of it.
     pub(super) fn double(&mut self, rays: &PreparedRays, double: &mut DoubledWork, counts: bool) {
         let (session, participant) = (self.session, double.participant);
-        if self.participants[participant].out.is_some() {
-            double.not_judged = Some("the tracer was taken out".to_owned());
+        if !self.participants[participant].is_in() {
+            double.not_judged.get_or_insert_with(|| "the tracer was taken out".to_owned());
         }
         let Some(hits) = double.hits.as_mut().filter(|_| double.not_judged.is_none()) else { return };
         let repeats = 2 * self.participants[participant].repeats;

@@ -69,9 +69,16 @@ pub(super) struct Participant {
     pub repeats: usize,
     /// What took it out of the interleaved set.
     pub out: Option<Refusal>,
+    /// Why it does not serve the ray set in turn.
+    pub unserved: Option<Refusal>,
 }
 
 impl Participant {
+    /// Whether it traces the ray set in turn, as far as that is known.
+    pub fn is_in(&self) -> bool {
+        self.out.is_none() && self.unserved.is_none()
+    }
+
     /// Its name in records.
     pub fn label(&self) -> String {
         match (&self.request, self.control) {
@@ -90,6 +97,8 @@ pub(crate) enum Outcome<T> {
     Measured(T),
     /// It was taken out.
     Out(Refusal),
+    /// It does not serve these rays, and stays in for others.
+    Unserved(Refusal),
     /// It had been taken out before.
     Absent,
 }
@@ -164,7 +173,7 @@ impl<'a> InterleavedSet<'a> {
     /// Lets another one trace the structure of the last stall.
     pub fn join(&mut self, request: Option<&TracerRequest>, control: Option<Control>) {
         let (request, slot) = (request.cloned(), self.slots.len() - 1);
-        self.participants.push(Participant { request, control, slot, repeats: 1, out: None });
+        self.participants.push(Participant { request, control, slot, repeats: 1, out: None, unserved: None });
     }
 
     /// Takes a participant out.
@@ -415,18 +424,23 @@ impl<'a> InterleavedSet<'a> {
         config
     }
 
-    /// Does something in a participant unless it has failed before; a failure takes it out.
+    /// Does something in a participant unless it has failed before; a failure takes it out, and rays that it does not serve keep it from
+    /// their own interleaved set alone.
     pub(super) fn attempt_in<R>(
         &mut self,
         participant: usize,
         work: impl FnOnce(&Session, &TracerConfig) -> Result<R, TracerError>,
     ) -> Option<R> {
-        if self.participants[participant].out.is_some() {
+        if !self.participants[participant].is_in() {
             return None;
         }
         let session = self.session;
         match work(session, self.config(participant)) {
             Ok(done) => Some(done),
+            Err(error @ TracerError::Unsupported(_)) => {
+                self.participants[participant].unserved = Some(Refusal::of(&error, false));
+                None
+            }
             Err(error) => {
                 self.take_out(participant, Refusal::of(&error, true));
                 None
@@ -442,10 +456,11 @@ impl Refusal {
         let unavailable = matches!(error, TracerError::Unavailable(_));
         // Limits of a device are the same with or without others.
         let for_room = for_room && matches!(error, TracerError::Failed(_));
-        Self { reason: error.to_string(), too_large, unavailable, for_room }
+        let unserved = matches!(error, TracerError::Unsupported(_));
+        Self { reason: error.to_string(), too_large, unavailable, unserved, for_room }
     }
 
     pub(super) fn of_session(error: &SessionError) -> Self {
-        Self { reason: error.to_string(), too_large: false, unavailable: false, for_room: false }
+        Self { reason: error.to_string(), too_large: false, unavailable: false, unserved: false, for_room: false }
     }
 }

@@ -53,6 +53,8 @@ struct Here<'a> {
     invalid: Option<String>,
     hooked: Vec<Value>,
     interleaved_sets: Vec<InterleavedSetRecord>,
+    /// Ray sets that one configuration does not serve.
+    unserved: Vec<Skipped>,
 }
 
 /// One resident batch, measured: the controls' rows, then those of its requests in order.
@@ -128,6 +130,7 @@ pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Mea
     }
     let none = || Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false));
     found.rows = rows.into_iter().map(|row| row.unwrap_or_else(none)).collect();
+    found.skipped.extend(here.unserved);
     (found.hooked, found.invalid, found.interleaved_sets) = (here.hooked, here.invalid, here.interleaved_sets);
     Ok(found)
 }
@@ -152,7 +155,8 @@ impl<'a> Here<'a> {
                 (head, Some(placed))
             }
         };
-        Ok(Self { place, context, placed, head, invalid: None, hooked: Vec::new(), interleaved_sets: Vec::new() })
+        let (hooked, interleaved_sets, unserved) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { place, context, placed, head, invalid: None, hooked, interleaved_sets, unserved })
     }
 
     /// Runs the interleaved sets of a resident batch, or takes them from the journal. `requests` by structure.
@@ -329,7 +333,7 @@ impl<'a> Here<'a> {
     }
 
     fn row(
-        &self,
+        &mut self,
         number: usize,
         participant: usize,
         request: Option<usize>,
@@ -337,6 +341,17 @@ impl<'a> Here<'a> {
         traced: Vec<Outcome<TraceRecord>>,
     ) -> Result<Row, Refusal> {
         let Built { memory, structure_statistics, build } = measured(built)?;
+        let (mut traces, mut unserved) = (Vec::new(), Vec::new());
+        for (rays, outcome) in self.head.sets.iter().zip(traced) {
+            match outcome {
+                Outcome::Unserved(refusal) => unserved.push((rays.clone(), refusal)),
+                outcome => traces.push(measured(outcome)?),
+            }
+        }
+        // Who serves none of the rays has no row.
+        if let Some((_, refusal)) = unserved.first().filter(|_| traces.is_empty()) {
+            return Err(refusal.clone());
+        }
         let mut viewpoint = self.head.viewpoint.clone();
         let tracer = match request.map(|request| &self.place.requests[request].tracer) {
             None => records::control_record(Control::ALL[participant]),
@@ -347,6 +362,14 @@ impl<'a> Here<'a> {
                 records::request_record(request)
             }
         };
+        for (rays, Refusal { reason, .. }) in unserved {
+            let (tracer, scene) = (Some(tracer.label()), self.head.scene.name.clone());
+            let skipped = Skipped { tracer, scene, rays: Some(rays), reason };
+            // The anchor is in several batches.
+            if !self.unserved.contains(&skipped) {
+                self.unserved.push(skipped);
+            }
+        }
         let sources = if request.is_some() { tracer.name.as_str() } else { machine::CONTROLS };
         Ok(Row {
             fingerprint: machine::fingerprint(sources).map(str::to_owned),
@@ -360,7 +383,7 @@ impl<'a> Here<'a> {
             memory,
             structure_statistics,
             build,
-            traces: traced.into_iter().map(measured).collect::<Result<_, _>>()?,
+            traces,
         })
     }
 
@@ -386,7 +409,7 @@ impl<'a> Here<'a> {
 fn measured<T>(outcome: Outcome<T>) -> Result<T, Refusal> {
     match outcome {
         Outcome::Measured(found) => Ok(found),
-        Outcome::Out(refusal) => Err(refusal),
+        Outcome::Out(refusal) | Outcome::Unserved(refusal) => Err(refusal),
         Outcome::Absent => Err(Refusal::of(&TracerError::Failed("it was taken out before".to_owned()), false)),
     }
 }

@@ -230,6 +230,28 @@ fn structures_must_be_sound() {
     }
 }
 
+/// Proves that a configuration which does not serve a ray set is kept out of that one alone, with the reason, and asked again in the next.
+#[test]
+fn unserved_rays_take_nobody_out() {
+    let session = session();
+    let quiet = Progress::new(true);
+    let options = MeasureOptions { sampling: SampleSchedule::rounds(2), timed: true, ..MeasureOptions::untimed() };
+    let (scene, viewpoint) = ("fake".to_owned(), "given".to_owned());
+    let setting = Setting { scene, viewpoint, resident_batch: 0, kernels: None, turn: 0 };
+    let mut interleaved_set = InterleavedSet::new(&session, None, options, &quiet, setting);
+    let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
+    for manner in [Manner::Unserving, Manner::Honest] {
+        let parameters = Parameters::preset(&[], Preset::Published);
+        interleaved_set.enter(TracerConfig::ready(description.clone(), parameters, Box::new(Fake(manner))), None, None);
+    }
+    assert!(interleaved_set.build().unwrap().outcomes.iter().all(|built| matches!(built, Outcome::Measured(_))));
+    for _ in 0..2 {
+        let outcomes = interleaved_set.trace(&session.rays[0]).unwrap().outcomes;
+        let [.., Outcome::Unserved(refusal), Outcome::Measured(_)] = &outcomes[..] else { panic!("not as they serve") };
+        assert!(refusal.unserved && !refusal.for_room && refusal.reason.contains("rays of any kind"), "{refusal:?}");
+    }
+}
+
 thread_local! {
     static WORKED: Cell<Duration> = const { Cell::new(Duration::ZERO) };
 }

@@ -40,6 +40,7 @@ impl InterleavedSet<'_> {
     /// One trace each to warm up, then rounds over all participants; the last timed output is judged. Where the control of a clock fails
     /// the interleaved set is run once more; where it fails again its times are invalid.
     pub fn trace(&mut self, rays: &PreparedRays) -> Result<Answered, RunError> {
+        self.participants.iter_mut().for_each(|participant| participant.unserved = None);
         let was_in: Vec<bool> = self.participants.iter().map(|participant| participant.out.is_none()).collect();
         let mut failed: Option<String> = None;
         let Sampled { buffers, timings, believed, interleaved_set } = loop {
@@ -66,7 +67,8 @@ impl InterleavedSet<'_> {
             let judged = buffer
                 .and_then(|buffer| self.judge(participant, rays, &buffer, &timings, believed).transpose())
                 .transpose()?;
-            let outcome = match (judged, &self.participants[participant].out) {
+            let Participant { out, unserved, .. } = &self.participants[participant];
+            let outcome = match (judged, out.as_ref().filter(|_| was_in[participant])) {
                 (Some((mut record, told, invalid)), _) => {
                     let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
                     record.doubt_times(failed.clone().or(too_coarse));
@@ -81,8 +83,8 @@ impl InterleavedSet<'_> {
                     answered.outcomes.push(Outcome::Measured(record));
                     continue;
                 }
-                (None, Some(refusal)) if was_in[participant] => Outcome::Out(refusal.clone()),
-                (None, _) => Outcome::Absent,
+                (None, Some(refusal)) => Outcome::Out(refusal.clone()),
+                (None, None) => unserved.clone().map_or(Outcome::Absent, Outcome::Unserved),
             };
             answered.told.push(None);
             answered.outcomes.push(outcome);

@@ -63,7 +63,9 @@ pub(crate) fn against_itself(
         for outcome in answered.outcomes.into_iter().skip(Control::ALL.len()) {
             match outcome {
                 Outcome::Measured(trace) => traces.push(trace),
-                Outcome::Out(refusal) => return Err(RunError::Nothing(format!("{tracer}: {}", refusal.reason))),
+                Outcome::Out(refusal) | Outcome::Unserved(refusal) => {
+                    return Err(RunError::Nothing(format!("{tracer}: {}", refusal.reason)));
+                }
                 Outcome::Absent => return Err(nothing("the tracer was taken out")),
             }
         }

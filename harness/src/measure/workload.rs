@@ -130,6 +130,9 @@ pub(crate) struct Refusal {
     /// A limit of the device forbids it.
     #[serde(default)]
     pub unavailable: bool,
+    /// The method does not serve what was asked.
+    #[serde(default)]
+    pub unserved: bool,
     /// It may have been for want of room beside others.
     pub for_room: bool,
 }

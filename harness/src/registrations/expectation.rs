@@ -1,7 +1,7 @@
 //! What is expected of a tracer on a case.
 
 pub use crate::judge::Rule;
-use crate::results::{EXACT, ExpectationRecord};
+use crate::results::{EXACT, ExpectationRecord, UNSERVED};
 use tracebench_api::Rasterizer;
 
 /// What is expected of a tracer with one of its presets on a case. Shares are of the rays that are judged. How many rays are wrong was
@@ -25,6 +25,11 @@ pub enum Expectation {
         reason: &'static str,
         /// Which paper says so, with section, or where it follows from.
         source: &'static str,
+    },
+    /// No answers: the method does not serve such rays.
+    Unserved {
+        /// Which those are.
+        reason: &'static str,
     },
     /// Something else is expected where the tracer answers; from a difficulty level on a device may be too small for it, which it then
     /// says.
@@ -121,7 +126,7 @@ impl Expectation {
     /// The rule that it is about.
     pub fn rule(&self) -> Rule {
         match self {
-            Self::Exact => Rule::Tight,
+            Self::Exact | Self::Unserved { .. } => Rule::Tight,
             Self::Bounded { rule, .. } | Self::KnownFailure { rule, .. } => *rule,
             Self::Refusable { otherwise, .. } | Self::Rasterized { otherwise, .. } => otherwise.rule(),
         }
@@ -155,6 +160,7 @@ impl Expectation {
                 }
             }
             Self::Exact => record(EXACT, "", ""),
+            Self::Unserved { reason } => record(UNSERVED, reason, ""),
             Self::Bounded { reason, .. } => record("bounded", reason, ""),
             Self::KnownFailure { reason, source, .. } => record("known_failure", reason, source),
         }

@@ -8,6 +8,7 @@ pub mod expectation;
 pub(crate) mod fragment_abuffer;
 pub(crate) mod height_field;
 pub(crate) mod lbvh_gpu;
+pub(crate) mod mesh_warp;
 pub(crate) mod quadtree;
 pub(crate) mod ray_query;
 pub(crate) mod screen_dda;
@@ -105,6 +106,8 @@ pub struct Registration {
     pub describe: fn() -> TracerDescription,
     /// Its peers.
     pub family: Family,
+    /// Whether it serves only rays that all start in one point: it refuses other ray sets, which are skipped with its reason.
+    pub one_origin: bool,
     /// Creates it; the device is there for tracers that live on one.
     pub(crate) create: Create,
     /// What is expected on cases that `expectations` does not name: [`Expectation::Exact`] of an analytic method, nothing of
@@ -139,6 +142,7 @@ impl Registration {
         Self {
             describe,
             family,
+            one_origin: false,
             create,
             otherwise: None,
             expectations: &[],

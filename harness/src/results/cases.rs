@@ -93,10 +93,16 @@ pub struct NoAnswer {
     /// Whether a limit of the device forbids it.
     #[serde(default)]
     pub unavailable: bool,
+    /// Whether the method does not serve such rays.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub unserved: bool,
 }
 
 /// The kind of an expectation of no wrong ray.
 pub(crate) const EXACT: &str = "exact";
+
+/// That of no answers at all: the method does not serve such rays.
+pub(crate) const UNSERVED: &str = "unserved";
 
 /// Room to both sides of an expected share: so much at least, share of all rays, and such a part of the share.
 const MIN_ROOM: f64 = 0.01;
@@ -105,7 +111,7 @@ const ROOM_SHARE: f64 = 1.0 / 3.0;
 /// What is expected of a tracer on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExpectationRecord {
-    /// `exact`, `bounded` or `known_failure`.
+    /// `exact`, `bounded`, `known_failure` or `unserved`.
     pub kind: String,
     /// The rule by which rays are wrong.
     pub rule: Rule,
@@ -160,6 +166,11 @@ pub enum UnexpectedOutcome {
 }
 
 impl ExpectationRecord {
+    /// Whether it says how many rays are wrong.
+    pub fn has_shares(&self) -> bool {
+        self.kind != EXACT && self.kind != UNSERVED
+    }
+
     /// Whether a device may be too small at one of a difficulty parameter's values.
     pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
         is_from(self.refusable_from, values, index)

@@ -32,11 +32,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use cases::EXACT;
 pub use cases::{
     CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
     UnexpectedOutcome, Wrong,
 };
+pub(crate) use cases::{EXACT, UNSERVED};
 pub use explanation::{
     Explained, ExplanationRecord, GIVEN_UP, MAX_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
 };

@@ -222,6 +222,19 @@ fn a_smoke_run() {
         assert_eq!(run["traces"][0]["samples_ms"].as_array().unwrap().len(), 3);
         assert_eq!(run["traces"][2]["query"], "any");
     }
+    // What a tracer does not serve is skipped for it alone, and the rest of it is there.
+    let is_named = |name: &str| {
+        let skipped = run["skipped"].as_array().unwrap().iter();
+        skipped
+            .filter(|each| each["tracer"] == name)
+            .map(|each| each["rays"].as_str().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    let served = by_name("rows", "mesh-warp")["traces"].as_array().unwrap().len();
+    let skipped = is_named("mesh-warp");
+    assert!(served >= 3 && skipped.contains(&"diffuse".to_owned()), "{skipped:?}");
+    let made_for_all = by_name("rows", "bvh-cpu")["traces"].as_array().unwrap().len();
+    assert_eq!((served + skipped.len(), is_named("bvh-cpu").len()), (made_for_all, 0));
     let judgement = &by_name("rows", "bvh-cpu")["traces"][0]["judgement"];
     assert!(judgement["agreement"]["tight"].as_f64().unwrap() >= 0.98, "{judgement}");
     assert!(judgement["identity"].is_number());

@@ -16,7 +16,7 @@ fn a_matrix_and_its_files() {
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(
-            "All as expected.\n| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field |\n"
+            "All as expected.\n| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field | mesh-warp |\n"
         ),
         "{}",
         outcome.stdout
@@ -25,6 +25,7 @@ fn a_matrix_and_its_files() {
     let ray_query = if with_ray_queries { "exact" } else { "unavailable" };
     let row = format!("| edge-on | exact | exact | exact | {ray_query} | exact | known failure ");
     assert!(outcome.page.contains(&row), "{}", outcome.page);
+    assert!(outcome.page.contains("| not served: its rays start in several points |"), "{}", outcome.page);
     assert_eq!(outcome.page.contains("Skipped ray-query: "), !with_ray_queries, "{}", outcome.page);
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
     assert!(page.contains(&row), "{page}");

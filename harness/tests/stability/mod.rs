@@ -111,6 +111,10 @@ fn beyond_rounding(found: &Stability) -> Vec<String> {
         "huge-triangle, voxel-abuffer:improved: ",
         "eye-at-vertex, voxel-abuffer:improved: ",
     ];
+    // What a mesh ends beside, or is too narrow for it, its pixels show all the same.
+    let of_meshes = ["wires", "leaves", "coarse-frame", "wide-frame", "open-mesh", "depth-range"];
+    let of_meshes = of_meshes.map(|case| format!("{case}, mesh-warp: "));
+    cells.retain(|cell| !of_meshes.iter().any(|known| cell.starts_with(known.as_str())));
     cells.retain(|cell| !known.iter().chain(&without_evidence).any(|known| cell.starts_with(known)));
     cells
 }
@@ -130,6 +134,9 @@ fn unexplained(found: &Stability, tracers: &str) -> Vec<String> {
     cells
 }
 
+/// The folders of the committed matrix: the published forms, what came after them, the improved ones.
+const COMMITTED: [&str; 3] = ["", "mesh-warp", "improved"];
+
 /// The committed record of a matrix.
 fn committed(folder: &str) -> Record {
     let path = format!("{}/../results/software-stability/{folder}", env!("CARGO_MANIFEST_DIR"));
@@ -142,7 +149,7 @@ fn what_is_expected_is_what_the_committed_matrix_measured() {
     let stated = ExpectedShares::stated().unwrap();
     let mut made = stated.clone();
     let mut columns = Vec::new();
-    for record in [committed(""), committed("improved")] {
+    for record in COMMITTED.map(committed) {
         made.take(&record).unwrap();
         let found = Stability::of(&record).unwrap();
         let cases = found.cases.iter().map(|each| each.case.name.as_str());
@@ -215,7 +222,7 @@ fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
     let cases: Vec<&Case> = CASES.iter().filter(|case| case.name == "wires").collect();
     let found = run_cases(&cases);
     check(&cases, &found);
-    let mut committed = ["", "improved"].map(|folder| Stability::of(&committed(folder)).unwrap());
+    let mut committed = COMMITTED.map(|folder| Stability::of(&committed(folder)).unwrap());
     let matrix = Stability::of(&found).unwrap();
     assert_eq!(differing(&matrix, &committed), Vec::<String>::new());
     let wires = committed[0].cases.iter_mut().find(|case| case.case.name == "wires").unwrap();
@@ -306,8 +313,8 @@ fn every_case_is_stated() {
             let refusable = |index| record.may_be_refused(values, index);
             let missing =
                 (0..values.len()).find(|index| stated.get(*index).is_none_or(Option::is_none) && !refusable(*index));
-            assert_eq!(stated.is_empty(), record.kind == "exact", "{cell}");
-            assert!(record.kind == "exact" || missing.is_none(), "{cell}: no share at {missing:?}");
+            assert_eq!(stated.is_empty(), !record.has_shares(), "{cell}");
+            assert!(!record.has_shares() || missing.is_none(), "{cell}: no share at {missing:?}");
         }
     }
 }

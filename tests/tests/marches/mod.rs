@@ -1,7 +1,8 @@
-//! The tracers that march over the depths of one view, `screen-dda` with all that it can be told and `height-field`, against f64 and
+//! The tracers over the depths of one view, `screen-dda` with all that it can be told, `height-field` and `mesh-warp`, against f64 and
 //! against themselves.
 
 mod heights;
+mod mesh;
 mod reference;
 mod screen;
 
@@ -154,12 +155,24 @@ fn total(counters: &[Counter], name: &str) -> u64 {
 
 /// Depths drawn apart from any tracer: the nearest, so many layers behind it, and their backs.
 fn draw(geometry: &Geometry, view: &View, layers: u32, separation: f32, backs: bool) -> Depths {
+    draw_by(RasterBackend::Raster, geometry, view, layers, separation, backs)
+}
+
+/// The same by the rasterizer or in compute, which may give a border's pixel to another side.
+fn draw_by(
+    raster_backend: RasterBackend,
+    geometry: &Geometry,
+    view: &View,
+    layers: u32,
+    separation: f32,
+    backs: bool,
+) -> Depths {
     let gpu = gpu();
     let drawn = NearestLayers::of_depths(&gpu).unwrap();
     let images = if backs { 2 * layers } else { layers };
     let target = EyeDepthTarget::of_images(&gpu, view.size, images).unwrap();
     let (geometry, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
-    let scene = NearestScene { raster_backend: RasterBackend::Raster, view, geometry, triangle_count };
+    let scene = NearestScene { raster_backend, view, geometry, triangle_count };
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     for layer in 0..images {
         let passed = match (layer, layer.checked_sub(layers)) {

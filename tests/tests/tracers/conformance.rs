@@ -140,6 +140,26 @@ fn descriptions_say_what_is_served() {
     }
 }
 
+/// Proves for every tracer that it serves rays from several points, or refuses them for that, as its registration says, and that it answers
+/// those from one point as before then.
+#[test]
+fn several_origins_are_served_or_refused() {
+    let scene = &scenes()[1];
+    for subject in subjects() {
+        let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+        let rays = subject.rays(&scene.rays, Query::Closest);
+        let before = subject.trace(&*structure, &rays);
+        let several = RayBuffer::new(Arc::new(scene.rays.clone()), Query::Closest, Some(&subject.gpu));
+        let mut hits = subject.poisoned(scene.rays.len());
+        let traced = subject.try_trace(&*structure, &several, &mut hits);
+        let refused = matches!(&traced, Err(TracerError::Unsupported(reason)) if reason.contains("several"));
+        assert!(if subject.one_origin { refused } else { traced.is_ok() }, "{}: {traced:?}", subject.name);
+        let counted = structure.trace_counted(subject.job(&several), &mut hits);
+        assert_eq!(counted.is_err(), subject.one_origin, "{}", subject.name);
+        assert_eq!(bytes(&subject.trace(&*structure, &rays)), bytes(&before), "{}", subject.name);
+    }
+}
+
 /// Proves for every tracer that something is hit and something missed in the ordinary scenes, so that the test above
 /// did not compare nothing with nothing.
 #[test]

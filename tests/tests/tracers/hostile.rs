@@ -9,13 +9,15 @@ use tracebench_api::{
     TraceJob, TraceTo, Tracer, TracerError, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_tests::{Numbers, available, gpu, presets, ray, rectangle, soup, viewpoint};
+use tracebench_tests::{Numbers, available, from_one_point, gpu, presets, ray, rectangle, soup, viewpoint};
 
 /// A tracer under test.
 pub struct Subject {
     pub name: &'static str,
     pub residency: Residency,
     pub names_primitives: bool,
+    /// Whether it serves rays from one point alone.
+    pub one_origin: bool,
     pub preset: Preset,
     pub parameters: Parameters,
     pub tracer: Rc<dyn Tracer>,
@@ -36,6 +38,7 @@ impl Subject {
             name: description.name,
             residency: description.residency,
             names_primitives: description.names_primitives,
+            one_origin: registration.one_origin,
             preset,
             parameters,
             tracer,
@@ -55,8 +58,13 @@ impl Subject {
         structure
     }
 
+    /// Rays as the tracer serves them: as they are, or all from where the first starts.
     pub fn rays(&self, rays: &[Ray], query: Query) -> RayBuffer {
-        RayBuffer::new(Arc::new(rays.to_vec()), query, Some(&self.gpu))
+        let served = match rays.first() {
+            Some(first) if self.one_origin => from_one_point(rays, first.origin),
+            _ => rays.to_vec(),
+        };
+        RayBuffer::new(Arc::new(served), query, Some(&self.gpu))
     }
 
     pub fn poisoned(&self, count: usize) -> HitBuffer {

@@ -167,7 +167,7 @@ fn surfaces_are_those_of_the_hits() {
                 assert_eq!(bytes(&same), bytes(&hits), "{context}");
                 assert_eq!(surfaces.len(), hits.len(), "{context}");
                 for (index, (hit, surface)) in hits.iter().zip(&surfaces).enumerate() {
-                    let wrong = wrong(&subject, &*structure, &scene.geometry, &scene.rays[index], hit, surface);
+                    let wrong = wrong(&subject, &*structure, &scene.geometry, &rays.host[index], hit, surface);
                     assert_eq!(wrong, None, "{context}: ray {index} {hit:?}");
                     fetched += usize::from(surface.status == SurfaceStatus::Written as u32);
                 }
@@ -194,11 +194,12 @@ fn wrong_surfaces_are_noticed() {
         subject.trace_to = TraceTo::Surface;
         let scene = small_scenes().remove(1);
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
-        let (hits, surfaces) = subject.surfaces(&*structure, &subject.rays(&scene.rays, Query::Closest));
+        let rays = subject.rays(&scene.rays, Query::Closest);
+        let (hits, surfaces) = subject.surfaces(&*structure, &rays);
         let written = |index: &usize| surfaces[*index].status == SurfaceStatus::Written as u32;
         let index = (0..hits.len()).find(written).unwrap();
         let noticed = |surface: Surface| {
-            wrong(&subject, &*structure, &scene.geometry, &scene.rays[index], &hits[index], &surface).is_some()
+            wrong(&subject, &*structure, &scene.geometry, &rays.host[index], &hits[index], &surface).is_some()
         };
         let right = surfaces[index];
         let [x, y, z] = right.position;

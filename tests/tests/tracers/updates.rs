@@ -11,7 +11,7 @@ use tracebench_api::{
 };
 use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_scenes::{Scene, procedural};
-use tracebench_tests::{Numbers, available, gpu, presets, ray, viewpoint};
+use tracebench_tests::{Numbers, available, from_one_point, gpu, presets, ray, viewpoint};
 
 /// A tracer with a preset's parameters.
 struct Subject {
@@ -77,8 +77,10 @@ impl Subject {
         Ok(())
     }
 
+    /// Of a tracer that serves rays from one point alone from the eye that the third ray starts in, as many others do.
     fn hits(&self, structure: &dyn Structure, rays: &[Ray]) -> Vec<Hit> {
-        let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(&self.gpu));
+        let rays = if self.registration.one_origin { from_one_point(rays, rays[2].origin) } else { rays.to_vec() };
+        let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&self.gpu));
         let residency = (self.registration.describe)().residency;
         let mut hits = HitBuffer::new(rays.host.len(), residency, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();

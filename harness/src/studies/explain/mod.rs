@@ -112,7 +112,9 @@ pub fn execute(
         let of_set = |told: Value| {
             serde_json::from_value::<Explained>(told).map_err(|error| RunError::Nothing(error.to_string()))
         };
-        let sets = std::mem::take(&mut found.hooked).into_iter().map(of_set).collect::<Result<Vec<_>, _>>()?;
+        // Of rays that the tracer does not serve there is nothing to explain.
+        let explained = std::mem::take(&mut found.hooked).into_iter().filter(|told| !told.is_null());
+        let sets = explained.map(of_set).collect::<Result<Vec<_>, _>>()?;
         scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), left_out, sets });
         measure::add(&mut record, found);
     }

@@ -58,6 +58,8 @@ pub struct Measured {
     pub refused: bool,
     /// Whether a limit of the device forbids it.
     pub unavailable: bool,
+    /// Whether the method does not serve such rays.
+    pub unserved: bool,
     /// Whether it came as expected; `None` if nothing is.
     pub as_expected: Option<bool>,
 }
@@ -124,6 +126,7 @@ fn measured(record: &Record, case: &CaseRecord, of: &CaseTracer, difficulty_leve
         error: None,
         refused: false,
         unavailable: false,
+        unserved: false,
         as_expected: None,
     };
     let wrong = |right: Option<[f64; 3]>| {
@@ -136,9 +139,10 @@ fn measured(record: &Record, case: &CaseRecord, of: &CaseTracer, difficulty_leve
     match judgement {
         None => {
             let said = of.no_answers.iter().find(|each| each.difficulty_level == difficulty_level);
-            let (refused, unavailable) = said.map_or((false, false), |said| (said.refused, said.unavailable));
+            let [refused, unavailable, unserved] =
+                said.map_or([false; 3], |said| [said.refused, said.unavailable, said.unserved]);
             let error = said.map_or("not measured", |said| said.error.as_str());
-            Measured { error: Some(error.to_owned()), refused, unavailable, ..none }
+            Measured { error: Some(error.to_owned()), refused, unavailable, unserved, ..none }
         }
         Some(Judgement::Closest(closest)) => {
             let right = &closest.agreement;

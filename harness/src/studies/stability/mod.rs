@@ -17,8 +17,8 @@ use crate::plan::TracerRequest;
 use crate::rays::RaySet;
 use crate::registrations::Expectation;
 use crate::results::{
-    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, EXACT, ExpectationRecord,
-    NoAnswer, Record, SceneRecord, Skipped, TrueCounts,
+    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
+    Record, SceneRecord, Skipped, TrueCounts,
 };
 use crate::truth::Truth;
 
@@ -52,7 +52,7 @@ impl Candidate {
     pub fn record(&self, case: &Case, kind: &str, rasterizer: Option<&Rasterizer>) -> Option<ExpectationRecord> {
         let (_, expected) = self.expected.iter().find(|(name, _)| *name == case.name)?;
         let record = expected.record(case.difficulty_parameter.values, rasterizer);
-        if record.kind == EXACT {
+        if !record.has_shares() {
             return Some(record);
         }
         let wrong_shares = self.shares.of(&self.column, case.name, kind, case.difficulty_parameter.values);
@@ -153,8 +153,9 @@ fn measure_case(
             invalid.get_or_insert_with(|| format!("at {difficulty_level}: {reason}"));
         }
         for (request, (_, refusal)) in measure::add(record, found) {
-            let Refusal { reason: error, too_large: refused, unavailable, .. } = refusal;
-            tracers[running[request]].no_answers.push(NoAnswer { difficulty_level, error, refused, unavailable });
+            let Refusal { reason: error, too_large: refused, unavailable, unserved, .. } = refusal;
+            let no_answer = NoAnswer { difficulty_level, error, refused, unavailable, unserved };
+            tracers[running[request]].no_answers.push(no_answer);
         }
     }
     Ok(CaseRecord {

@@ -1,7 +1,7 @@
 //! From what was measured to a verdict.
 
 use super::{Cell, Measured};
-use crate::results::{CaseRecord, EXACT, ExpectationRecord, MAX_UNEXPLAINED, Rule, UnexpectedOutcome};
+use crate::results::{CaseRecord, EXACT, ExpectationRecord, MAX_UNEXPLAINED, Rule, UNSERVED, UnexpectedOutcome};
 
 /// What came of a tracer on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub enum Verdict {
     UnexpectedSuccess,
     /// Nothing is expected.
     Unstated,
+    /// The method does not serve such rays, as it is known not to.
+    Unserved,
     /// This machine cannot run the tracer; the reason stands with what was skipped.
     Unavailable,
 }
@@ -50,6 +52,7 @@ pub(super) fn cell(
     mut measured: Vec<Measured>,
 ) -> Cell {
     let (verdict, text) = match expected {
+        Some(expected) if expected.kind == UNSERVED => unserved(expected, &mut measured),
         Some(expected) if (0..measured.len()).any(|index| expected.expected_share(index).is_some()) => {
             stated(case, expected, &mut measured)
         }
@@ -85,6 +88,17 @@ fn unstated(measured: &[Measured]) -> String {
     }
     let [tight, footprint] = [Rule::Tight, Rule::Footprint].map(|rule| percent(worst(measured, rule)));
     format!("unstated: at most {tight} (tight), {footprint} (footprint)")
+}
+
+fn unserved(expected: &ExpectationRecord, measured: &mut [Measured]) -> (Verdict, String) {
+    measured.iter_mut().for_each(|each| each.as_expected = Some(each.unserved));
+    match measured.iter().find(|each| !each.unserved) {
+        None => (Verdict::Unserved, format!("not served: {}", expected.reason)),
+        Some(Measured { error: Some(error), .. }) => {
+            (Verdict::UnexpectedFailure, format!("UNEXPECTED failure: {error}"))
+        }
+        Some(_) => (Verdict::UnexpectedSuccess, "UNEXPECTED success: these rays are served".to_owned()),
+    }
 }
 
 fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measured]) -> (Verdict, String) {
