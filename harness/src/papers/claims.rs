@@ -44,10 +44,10 @@ pub enum Test {
         table: String,
         /// The quantity, one of the paper's.
         quantity: String,
-        /// The same by another reading of what the paper leaves open, such as where a ray starts or a cap: where the two do not lead to the
-        /// same decision the claim is undecided.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        either: Option<String>,
+        /// The same by other readings of what the paper leaves open, such as where a ray starts or a cap: where they do not all lead to
+        /// the same decision the claim is undecided.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        either: Vec<String>,
         /// The paper's scenes that it is about, of whose stand-ins alone the quantity is taken; none for all of the table's.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         scenes: Vec<String>,
@@ -105,11 +105,11 @@ impl Claim {
         }
     }
 
-    /// The quantity by the other reading, if it has one.
-    pub fn either(&self) -> Option<&str> {
+    /// The quantities by other readings.
+    pub fn either(&self) -> &[String] {
         match &self.test {
-            Test::Measured { either, .. } => either.as_deref(),
-            Test::NotMeasurable { .. } => None,
+            Test::Measured { either, .. } => either,
+            Test::NotMeasurable { .. } => &[],
         }
     }
 }

@@ -8,6 +8,8 @@ use super::rows::{Rows, SceneRows};
 pub enum Measure {
     /// Of every scene that has the rows for it, counted.
     Scene(OfOne<f64>),
+    /// The same with what it is of, where that is one of several rows.
+    NamedScene(OfOne<(String, f64)>),
     /// Of all scenes together, counted.
     Scenes(OfAll<f64>),
     /// Of every scene that has the rows for it, timed.
@@ -49,6 +51,12 @@ impl Quantity {
         let all = |found: Option<Estimate>| found.map(|found| of("all scenes", found)).into_iter().collect();
         let found: Vec<OfScene> = match self.measure {
             Measure::Scene(value) => each(&|scene| value(scene).map(Estimate::from)),
+            Measure::NamedScene(value) => {
+                let named = |scene: &SceneRows<'_>| {
+                    value(scene).map(|(name, value)| of(&format!("{} ({name})", scene.label), value.into()))
+                };
+                rows.scenes.iter().filter_map(named).collect()
+            }
             Measure::TimedScene(value) => each(&value),
             Measure::Scenes(value) => all(value(&rows.scenes).map(Estimate::from)),
             Measure::TimedScenes(value) => all(value(&rows.scenes)),
@@ -59,6 +67,10 @@ impl Quantity {
 
 pub(super) const fn of_scene(name: &'static str, unit: &'static str, of: OfOne<f64>) -> Quantity {
     Quantity { name, unit, measure: Measure::Scene(of) }
+}
+
+pub(super) const fn of_named_scene(name: &'static str, unit: &'static str, of: OfOne<(String, f64)>) -> Quantity {
+    Quantity { name, unit, measure: Measure::NamedScene(of) }
 }
 
 pub(super) const fn of_scenes(name: &'static str, unit: &'static str, of: OfAll<f64>) -> Quantity {

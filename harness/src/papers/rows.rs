@@ -242,6 +242,12 @@ pub(super) fn share_of_all(row: &Row, of: impl Fn(&TraceRecord) -> Option<[u64; 
     (sums[0] > 0).then(|| sums[1] as f64 / sums[0] as f64)
 }
 
+/// The share of a row's rays that it answers as the first row of its tracer does, of the ray set with the least.
+pub(super) fn answered_as_first(row: &Row) -> Option<f64> {
+    let share = |trace: &TraceRecord| Some(trace.same_as_first? as f64 / trace.count as f64);
+    row.traces.iter().map(share).collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::min)
+}
+
 /// The share of the ray sets of two rows that have the same hits in both.
 pub(super) fn same_hits(one: &Row, other: &Row) -> Option<f64> {
     let pairs = one.traces.iter().filter_map(|own| {

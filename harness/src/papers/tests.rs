@@ -61,7 +61,7 @@ fn claims_can_be_decided() {
                 assert!(scenes.iter().all(stands), "{}: {scenes:?}", claim.id);
                 let quantity = paper.quantity(name).unwrap_or_else(|| panic!("{}: no quantity {name}", claim.id));
                 used.push((paper.name, quantity.name));
-                if let Some(either) = either {
+                for either in either {
                     let other = paper.quantity(either).unwrap_or_else(|| panic!("{}: no quantity {either}", claim.id));
                     assert!(other.unit == quantity.unit && other.name != quantity.name, "{}", claim.id);
                     used.push((paper.name, other.name));
@@ -287,13 +287,13 @@ fn verdicts_follow_from_values() {
     assert_eq!(judge(paper, &never, &Rows::of(&record(0.56))).verdict, Verdict::NotMeasurable);
 }
 
-/// A claim with two readings holds, or does not, where both say so; it is undecided where they differ, and is not measured where one
-/// of them is not. Either's values are kept and shown.
+/// A claim with several readings holds, or does not, where all say so; it is undecided where they differ, and is not measured where one
+/// of them is not. All their values are kept and shown.
 #[test]
 fn readings_must_agree() {
     let (paper, mut claim) = claim_of("dirt-references-2x2");
     let Test::Measured { either, rule, .. } = &mut claim.test else { panic!("it is measured") };
-    *either = Some("references_saved_2_to_4".to_owned());
+    *either = vec!["references_saved_2_to_4".to_owned()];
     rule.most = None;
     // References saved to tiles of 2x2, and further to 4x4; the claim asks for at least 46 percent.
     let judged = |[two, four]: [f64; 2]| {
@@ -304,8 +304,8 @@ fn readings_must_agree() {
     };
     let agreed = [judged([0.5, 0.6]), judged([0.2, 0.1])];
     assert_eq!([&agreed[0], &agreed[1]].map(|each| each.verdict), [Verdict::Holds, Verdict::DoesNotHold]);
-    assert!(agreed.iter().all(|each| each.reason.is_none() && each.values.len() == 1 && each.either.len() == 1));
-    assert!((agreed[0].values[0].value - 50.0).abs() < 1e-9 && (agreed[0].either[0].value - 60.0).abs() < 1e-9);
+    assert!(agreed.iter().all(|each| each.reason.is_none() && each.values.len() == 1 && each.either[0].len() == 1));
+    assert!((agreed[0].values[0].value - 50.0).abs() < 1e-9 && (agreed[0].either[0][0].value - 60.0).abs() < 1e-9);
     let flips = [judged([0.5, 0.1]), judged([0.1, 0.5])];
     assert!(flips.iter().all(|each| each.verdict == Verdict::Undecided));
     let [first, second] = flips.map(|each| each.reason.unwrap());
@@ -316,7 +316,7 @@ fn readings_must_agree() {
     let mut rows = over_buckets("room", of);
     rows.retain(|row| row.tracer.parameters["tile_size"].as_str() != Some("4"));
     let lacking = judge(paper, &claim, &Rows::of(&run_of(rows)));
-    assert!(lacking.verdict == Verdict::NotMeasured && lacking.values.len() == 1 && lacking.either.is_empty());
+    assert!(lacking.verdict == Verdict::NotMeasured && lacking.values.len() == 1 && lacking.either[0].is_empty());
     assert!(lacking.reason.unwrap().contains("references_saved_2_to_4"));
 }
 

@@ -76,9 +76,9 @@ pub struct JudgedClaim {
     pub reason: Option<String>,
     /// What was measured, whatever the verdict.
     pub values: Vec<SceneValue>,
-    /// The same by the other reading, where the claim has one.
+    /// The same by every other reading that the claim has.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub either: Vec<SceneValue>,
+    pub either: Vec<Vec<SceneValue>>,
     /// Unit of the values.
     pub unit: &'static str,
     /// Their median.
@@ -98,6 +98,8 @@ pub struct MeasuredBy {
     pub rows: [usize; 2],
     /// Where.
     pub machine: String,
+    /// The adapter's kind, the frames, and how many rays a set has.
+    pub scope: String,
     /// The run preset.
     pub preset: String,
     /// The program's commit.
@@ -160,12 +162,13 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         table: experiment.name.to_owned(),
         rows: rows.of_all(experiment),
         machine: record.provenance.machine.label(),
+        scope: scope(shown),
         preset: record.preset.clone(),
         commit: record.provenance.commit.clone(),
         started: record.provenance.started.clone(),
     };
     let mut values = readings.iter().map(|(_, found)| found.iter().map(SceneValue::from).collect::<Vec<_>>());
-    let (values, either) = (values.next().unwrap_or_default(), values.next().unwrap_or_default());
+    let (values, either) = (values.next().unwrap_or_default(), values.collect());
     let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
     JudgedClaim {
         claim: claim.clone(),
@@ -178,6 +181,19 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         scenes: [about.names(), if scenes.is_empty() { experiment.scenes.len() } else { scenes.len() }],
         measured_by: Some(measured_by),
     }
+}
+
+/// On what kind of adapter, at which frames and with how many rays a set something was measured.
+fn scope(rows: &Rows<'_>) -> String {
+    let all = || rows.scenes.iter().flat_map(|scene| &scene.rows);
+    let frames = all().map(|row| row.viewpoint.frame.map(|edge| edge.to_string()).join("x")).unique();
+    let rays = all().flat_map(|row| &row.traces).map(|trace| trace.count).minmax().into_option();
+    let rays = rays.map_or_else(String::new, |(least, most)| match least == most {
+        true => format!(", {least} rays a set"),
+        false => format!(", {least} to {most} rays a set"),
+    });
+    let kind = rows.record.provenance.machine.adapter.as_ref().map_or("no", |adapter| &adapter.kind);
+    format!("{kind} adapter, frame {}{rays}", frames.collect::<Vec<_>>().join(", "))
 }
 
 /// What every reading says: undecided with all that they say where it is not the same.

@@ -21,7 +21,7 @@ pub(super) fn section(judged: &[JudgedClaim]) -> Document {
 const HOW: &str = "A claim holds if the values here lie in the range beside them; a percentage holds within 10 percentage points, \
                    or within half of its value where that is less. Where the paper gives no number, the range is this suite's and \
                    stands with the conditions. Of what is timed the interval stands beside the value; a verdict takes twelve rounds and an \
-                   interval that lies on one side of every end of the range, and else is undecided. So is a claim with two quantities, by two \
+                   interval that lies on one side of every end of the range, and else is undecided. So is a claim with several quantities, by several \
                    readings of what the paper leaves open, that do not lead to one verdict. The adapter and its clock are those above: on a software adapter a ratio of times \
                    says what it says there.";
 
@@ -52,7 +52,7 @@ fn interval(of: &SceneValue) -> String {
     })
 }
 
-/// Every scene's own figure, then the median; by either reading where there are two.
+/// Every scene's own figure, then the median; by every reading where there are several.
 fn measured(judged: &JudgedClaim) -> Option<String> {
     let scenes = |values: &[SceneValue]| {
         let scene = |each: &SceneValue| format!("{} {}{}", each.scene, value(each.value, judged.unit), interval(each));
@@ -61,14 +61,14 @@ fn measured(judged: &JudgedClaim) -> Option<String> {
     let median = judged.median.filter(|_| judged.values.len() > 1);
     let median = median.map_or_else(String::new, |median| format!("; median {}", value(median, judged.unit)));
     let own = scenes(&judged.values).map(|values| values + &median);
-    match (judged.claim.either(), scenes(&judged.either)) {
-        (Some(either), Some(other)) => Some(format!("{}. By `{either}`: {other}", own.as_deref().unwrap_or("none"))),
-        _ => own,
-    }
+    let others = judged.claim.either().iter().zip(&judged.either);
+    let others = others.filter_map(|(either, values)| Some(format!("by `{either}` {}", scenes(values)?)));
+    let all: Vec<String> = own.into_iter().chain(others).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 fn rule(claim: &Claim) -> Option<String> {
-    let either = claim.either().map_or_else(String::new, |either| format!(" and `{either}` alike"));
+    let either: String = claim.either().iter().map(|either| format!(" and `{either}` alike")).collect();
     match &claim.test {
         Test::Measured { quantity, rule, .. } => Some(format!("`{quantity}`{either}: {}", rule.describe())),
         Test::NotMeasurable { .. } => None,
@@ -102,7 +102,9 @@ fn table(judged: &[JudgedClaim], with_table: bool) -> Table {
 /// The table with the run that it was measured in.
 fn measured_by(judged: &JudgedClaim) -> Option<String> {
     match &judged.measured_by {
-        Some(by) => Some(format!("{}, {}preset {}, {}", by.table, rows_of(by.rows), by.preset, by.started)),
+        Some(by) => {
+            Some(format!("{}, {}preset {}, {}, {}", by.table, rows_of(by.rows), by.preset, by.scope, by.started))
+        }
         None => judged.claim.table().map(str::to_owned),
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn thresholds(page: &Page<'_>) -> Vec<SeriesChart> {
                 setting: "gamma_norm / gamma_dist".to_owned(),
                 steps: steps.clone(),
                 quantity: (*quantity).to_owned(),
-                series: ["gamma_dist, at 3 degrees", "gamma_norm, at 1e-5"]
+                series: ["gamma_dist, at 3 degrees", "gamma_norm, at 1e-5", "gamma_norm, at any distance"]
                     .into_iter()
                     .zip(over(scene))
                     .map(line)

@@ -44,6 +44,8 @@ pub(super) const QUADTREE: &str = "quadtree";
 pub(super) const DDA: &str = "screen-dda";
 /// Its peer over a pyramid of depth bounds.
 const FIELD: &str = "height-field";
+/// Its peer that draws the depths once more.
+const MESH: &str = "mesh-warp";
 
 /// What its tracer calls the samples beside a ray.
 const SAMPLES_A_RAY: &str = "secondary_samples";
@@ -63,9 +65,9 @@ pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<
     scene.like_first(QUADTREE, values)
 }
 
-/// A row of one layer and one of two.
-fn one_and_two<'a>(scene: &SceneRows<'a>, tracer: &str) -> Option<[&'a Row; 2]> {
-    let [one, two] = ["1", "2"].map(|layers| scene.like_first(tracer, &[("layers", layers)]));
+/// A row of one layer and one of two, with these values.
+fn one_and_two<'a>(scene: &SceneRows<'a>, tracer: &str, values: &[(&str, &str)]) -> Option<[&'a Row; 2]> {
+    let [one, two] = ["1", "2"].map(|layers| scene.like_first(tracer, &[&[("layers", layers)], values].concat()));
     Some([one?, two?])
 }
 

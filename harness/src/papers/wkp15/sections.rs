@@ -5,7 +5,7 @@ use super::quantities::{
     BOXES, CELLS, HIDDEN_LAYER, LEFT_OUT, NODES, OFF_VIEW, SAMPLES, light_field, share_asking_second,
     share_behind_first, share_missed, share_of_cause, tree,
 };
-use super::{DDA, FIELD, QUADTREE, SAMPLES_A_RAY};
+use super::{DDA, FIELD, MESH, QUADTREE, SAMPLES_A_RAY};
 use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::measured::{self, Accurate, TIMES, ms_of, over, time_of};
@@ -81,6 +81,7 @@ fn printed_as(row: &Row) -> Option<[String; 2]> {
         QUADTREE => "quad-tree",
         DDA => "DDA",
         FIELD => "height field",
+        MESH => "mesh warping",
         _ => return None,
     };
     Some([method.to_owned(), layers])

@@ -1,6 +1,7 @@
 //! Table 4 and Figure 8: depth of field.
 
-use super::share_behind_first;
+use super::peers::dda_time;
+use super::{OTHER_LAYERS, UNCAPPED, share_behind_first};
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{PERCENT, Quantity, greatest, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, trace};
@@ -9,11 +10,21 @@ use crate::papers::wkp15::{DDA, QUADTREE, SAMPLES_A_RAY, one_and_two};
 use crate::results::Row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    timed_of_scene("dda_lead_with_build_over_without", "", lead_with_build_over_without),
+    timed_of_scene("dda_lead_with_build_over_without", "", |scene| lead_with_build_over_without(scene, &[])),
+    timed_of_scene("uncapped_dda_lead_with_build_over_without", "", |scene| {
+        lead_with_build_over_without(scene, UNCAPPED)
+    }),
+    timed_of_scene("dda_lead_in_lens_over_stereo", "", |scene| lead_in_lens_over_stereo(scene, &[])),
+    timed_of_scene("uncapped_dda_lead_in_lens_over_stereo", "", |scene| lead_in_lens_over_stereo(scene, UNCAPPED)),
+    timed_of_scene("inpainted_lens_time_over_holes", "", inpainted_over_holes),
     timed_of_scene("three_more_samples_cost", PERCENT, three_more_samples_cost),
     timed_of_scene("rays_32_over_8", "", rays_32_over_8),
     timed_of_scene("half_the_rays_with_samples_save", PERCENT, half_the_rays_with_samples_save),
-    of_scene("lens_rays_behind_first_layer", "", rays_behind_first_layer),
+    of_scene("lens_rays_behind_first_layer", "", |scene| rays_behind_first_layer(scene, &[])),
+    of_scene("lens_rays_behind_first_layer_separated", "", |scene| rays_behind_first_layer(scene, &[OTHER_LAYERS[0]])),
+    of_scene("lens_rays_behind_first_layer_of_front_faces", "", |scene| {
+        rays_behind_first_layer(scene, &[OTHER_LAYERS[1]])
+    }),
 ];
 
 const RAYS: &str = "lens";
@@ -36,15 +47,31 @@ fn of_both(of: impl Fn(&str) -> Option<Estimate>) -> Option<Estimate> {
 }
 
 /// What DDA takes over what the trees take, with the build over the same without it; mean over rays a pixel and layers.
-fn lead_with_build_over_without(scene: &SceneRows<'_>) -> Option<Estimate> {
+fn lead_with_build_over_without(scene: &SceneRows<'_>, steps: &[(&str, &str)]) -> Option<Estimate> {
     let mut leads = Vec::new();
     for count in ["4", "8"] {
         let scene = of_count(scene, count, true)?;
-        for (own, peer) in one_and_two(&scene, QUADTREE)?.into_iter().zip(one_and_two(&scene, DDA)?) {
+        for (own, peer) in one_and_two(&scene, QUADTREE, &[])?.into_iter().zip(one_and_two(&scene, DDA, steps)?) {
             leads.push(scene.total_ratio(peer, own, &[(RAYS, 1.0)])? / scene.trace_ratio(peer, own, RAYS)?);
         }
     }
     Estimate::mean(leads)
+}
+
+/// What DDA takes over what the trees take, of rays through the lens over the same of stereo rays; mean over rays a pixel and layers.
+fn lead_in_lens_over_stereo(scene: &SceneRows<'_>, steps: &[(&str, &str)]) -> Option<Estimate> {
+    let lead = |count: &str| {
+        let scene = of_count(scene, count, true)?;
+        Some(dda_time(&scene, RAYS, steps)? / dda_time(&scene, "stereo", steps)?)
+    };
+    Estimate::mean(["4", "8"].into_iter().map(lead).collect::<Option<Vec<_>>>()?)
+}
+
+/// Time in one layer that is inpainted over that in one whose holes stay, of eight rays a pixel.
+fn inpainted_over_holes(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let scene = of_count(scene, "8", true)?;
+    let holes = scene.like_first(QUADTREE, &[("layers", "1"), ("inpainting", "never")])?;
+    scene.trace_ratio(with(&scene, "1", "0")?, holes, RAYS)
 }
 
 /// What three more samples a ray take beside eight rays a pixel alone, percent.
@@ -74,8 +101,11 @@ fn half_the_rays_with_samples_save(scene: &SceneRows<'_>) -> Option<Estimate> {
     .map(Estimate::percent_below)
 }
 
-/// The share of rays through the lens that end in the second layer, the most over rays a pixel.
-fn rays_behind_first_layer(scene: &SceneRows<'_>) -> Option<f64> {
-    let share = |count: &str| share_behind_first(trace(with(&of_count(scene, count, true)?, "2", "0")?, RAYS)?);
+/// The share of rays through the lens that end in the second layer, of other surfaces if that is said, the most over rays a pixel.
+fn rays_behind_first_layer(scene: &SceneRows<'_>, other: &[(&str, &str)]) -> Option<f64> {
+    let share = |count: &str| {
+        let two = of_count(scene, count, true)?.like_first(QUADTREE, &[&[("layers", "2")], other].concat())?;
+        share_behind_first(trace(two, RAYS)?)
+    };
     greatest(["4", "8"].into_iter().filter_map(share))
 }

@@ -9,12 +9,9 @@ use crate::papers::wkp15::row;
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("hierarchy_time_over_quadtree", "", hierarchy_time),
     timed_of_scene("many_cameras_time_over_few", "", many_cameras_over_few),
-    timed_of_scene("device_built_speed_over_host_built", "", device_built_speed),
 ];
 
 pub(in crate::papers::wkp15) const RAYS: &str = "light-field";
-/// Hierarchies built on the device and on the host.
-const BUILT: [&str; 2] = ["lbvh-gpu", "bvh-gpu"];
 const HIERARCHIES: [&str; 3] = ["lbvh-gpu", "bvh-gpu", "ray-query"];
 
 /// The rows with so many cameras a side.
@@ -36,11 +33,4 @@ fn many_cameras_over_few(scene: &SceneRows<'_>) -> Option<Estimate> {
     let (many, few) = (many?, few?);
     let same = trace(many, RAYS)?.count == trace(few, RAYS)?.count;
     same.then(|| ratio(scene.record, &traced(many, RAYS)?, &traced(few, RAYS)?))?
-}
-
-/// Rays a second in the hierarchy built on the device over those in the one built on the host.
-fn device_built_speed(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let scene = of_cameras(scene, "4");
-    let [device, host] = BUILT.map(|hierarchy| scene.like_first(hierarchy, &[]));
-    scene.trace_ratio(host?, device?, RAYS)
 }

@@ -42,6 +42,11 @@ pub(super) const LEFT_OUT: &str = "left_out";
 /// What it says of those whose true hit no view holds.
 pub(super) const OFF_VIEW: &str = "off_view";
 
+/// What makes a second layer show something else than the back of what the first shows: a separation, or front faces alone.
+const OTHER_LAYERS: [(&str, &str); 2] = [("minimum_separation", "0.02"), ("back_faces", "culled")];
+/// DDA without a cap of steps that a frame could reach.
+const UNCAPPED: &[(&str, &str)] = &[("max_steps", super::experiments::NO_CAP)];
+
 /// The share of a trace's rays that go on to a second layer.
 pub(super) fn share_asking_second(trace: &TraceRecord) -> Option<f64> {
     per_ray(trace, ASKING_SECOND)
@@ -71,9 +76,10 @@ fn share([rays, of_kind]: [u64; 2]) -> Option<f64> {
     (rays > 0).then(|| of_kind as f64 / rays as f64)
 }
 
-/// How many times as long some rays take in two layers as in one.
-fn second_layer(scene: &SceneRows<'_>, rays: &str) -> Option<Estimate> {
-    let [one, two] = one_and_two(scene, super::QUADTREE)?;
+/// How many times as long some rays take in two layers, of other surfaces if that is said, as in one.
+fn second_layer(scene: &SceneRows<'_>, rays: &str, other: &[(&str, &str)]) -> Option<Estimate> {
+    let [one, _] = one_and_two(scene, super::QUADTREE, &[])?;
+    let two = super::row(scene, &[&[("layers", "2")], other].concat())?;
     scene.trace_ratio(two, one, rays)
 }
 

@@ -1,33 +1,43 @@
 //! What the text states: layers, traversal, normals, cracks, displacement.
 
-use super::{NODES, SAMPLES, missed, share_asking_second};
+use super::{HIDDEN_LAYER, LEFT_OUT, SAMPLES, missed, share_asking_second};
 use crate::papers::estimate::Estimate;
-use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, least, of_scene, timed_of_scene, timed_of_scenes};
-use crate::papers::rows::{self, SceneRows, beyond, footprint, has, per_ray, trace};
+use crate::papers::quantity::{
+    IN_A_MILLION, PERCENT, Quantity, least, of_named_scene, of_scene, timed_of_scene, timed_of_scenes,
+};
+use crate::papers::rows::{MILLION, SceneRows, answered_as_first, footprint, has, of_cause, per_ray, trace};
 use crate::papers::times::{rank_correlation, ratio, traced};
-use crate::papers::wkp15::{DDA, QUADTREE, experiments, row};
-use crate::results::{Judgement, Row, Timed};
+use crate::papers::wkp15::{DDA, FIELD, QUADTREE, experiments, row};
+use crate::results::{Judgement, Row, Timed, TraceRecord};
+use crate::statistics::wilson;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("traversal_without_stack_saves", PERCENT, without_stack_saves),
-    of_scene("same_hits_with_stack", "", |scene| same_hits(scene, ("traversal", "stack"))),
-    of_scene("same_hits_through_all_layers", "", |scene| same_hits(scene, EVERY_LAYER)),
+    of_scene("answered_as_through_all_layers", "", answered_as_through_all_layers),
+    of_scene("rays_given_up", IN_A_MILLION, rays_given_up),
+    of_scene("dda_hit_miss_change", "", dda_hit_miss_change),
+    of_scene("height_field_early_share", "", height_field_early_share),
     timed_of_scene("all_layers_time_over_cascade", "", all_layers_time_over_cascade),
     timed_of_scene("four_layers_time_over_three", "", four_layers_over_three),
     timed_of_scene("build_of_four_layers_over_eyes", "", build_of_four_layers_over_eyes),
-    of_scene("recovered_by_second_layer", "", recovered_by_second_layer),
+    of_named_scene("recovered_by_second_layer", "", recovered_by_second_layer),
     of_scene("geometry_normals_agreement_change", "", geometry_normals_agreement_change),
     of_scene("lossless_error_in_tolerances", "", lossless_error_in_tolerances),
-    of_scene("undilated_false_misses_beyond", IN_A_MILLION, undilated_false_misses_beyond),
-    timed_of_scene("two_levels_fewer_time_over_most", "", two_levels_fewer),
+    timed_of_scene("undilated_false_misses_beyond", IN_A_MILLION, |scene| {
+        undilated_false_misses_beyond(scene, "continuous")
+    }),
+    timed_of_scene("undilated_false_misses_beyond_flagged", IN_A_MILLION, |scene| {
+        undilated_false_misses_beyond(scene, "flagged")
+    }),
     timed_of_scene("dda_time_exponent_over_samples", "", dda_time_exponent),
-    of_scene("nodes_growth_over_samples", "", nodes_growth_over_samples),
     timed_of_scene("displaced_time_over_near", "", displaced_over_near),
     timed_of_scenes("rank_of_time_by_second_layer", "", rank_of_time_by_second_layer),
 ];
 
 /// A ray is traced through all layers, whatever the first leaves open.
 const EVERY_LAYER: (&str, &str) = ("next_layer", "always");
+/// Statuses of rays that were left before they were answered.
+const GIVEN_UP: [&str; 2] = ["step_cap", "unwritten"];
 /// Part of t that counts as exact, that of `tight`.
 const TIGHT: f64 = 1e-4;
 
@@ -52,10 +62,41 @@ fn without_stack_saves(scene: &SceneRows<'_>) -> Option<Estimate> {
     of_both_sets(|rays| scene.layout_ratio(bits, stack, rays)).map(Estimate::percent_below)
 }
 
-/// The share of ray sets that have the same hits with another value of a parameter.
-fn same_hits(scene: &SceneRows<'_>, other: (&str, &str)) -> Option<f64> {
+/// The share of rays that have the same answer where every layer is asked, of the ray set with the least.
+fn answered_as_through_all_layers(scene: &SceneRows<'_>) -> Option<f64> {
+    answered_as_first(row(&near(scene), &[EVERY_LAYER])?)
+}
+
+/// Rays in a million that a walk through the trees did not end, of every row.
+fn rays_given_up(scene: &SceneRows<'_>) -> Option<f64> {
+    let traces: Vec<&TraceRecord> = scene.of_tracer(QUADTREE).flat_map(|row| &row.traces).collect();
+    let rays: u64 = traces.iter().map(|trace| trace.count).sum();
+    let of_status =
+        |trace: &&TraceRecord| GIVEN_UP.iter().filter_map(|status| trace.statuses.get(*status)).sum::<u64>();
+    let given_up: u64 = traces.iter().map(of_status).sum();
+    (rays > 0).then(|| MILLION * given_up as f64 / rays as f64)
+}
+
+/// By how much more rays DDA finds rightly to hit or miss than one layer of the trees, of all ray sets the farthest from nothing.
+fn dda_hit_miss_change(scene: &SceneRows<'_>) -> Option<f64> {
     let scene = near(scene);
-    rows::same_hits(row(&scene, &[])?, row(&scene, &[other])?)
+    let (own, peer) = (row(&scene, &[("layers", "1")])?, scene.like_first(DDA, &[])?);
+    let hit_miss = |trace: &TraceRecord| match &trace.judgement {
+        Judgement::Closest(closest) => closest.agreement.hit_miss,
+        Judgement::Any(_) => None,
+    };
+    let changes = own.traces.iter().filter_map(|own| Some(hit_miss(trace(peer, &own.rays)?)? - hit_miss(own)?));
+    changes.max_by(|one, other| one.abs().total_cmp(&other.abs()))
+}
+
+/// Of temporal rays that the height field answers by a surface in front of the true one or behind it, the share in front, where the camera
+/// has moved farthest.
+fn height_field_early_share(scene: &SceneRows<'_>) -> Option<f64> {
+    let field = scene.of_rays(experiments::FARTHEST).like_first(FIELD, &[])?;
+    let Judgement::Closest(closest) = &trace(field, "temporal")?.judgement else { return None };
+    let classes = &closest.classes.footprint;
+    let wrong = classes.early + classes.late;
+    (wrong > 0).then(|| classes.early as f64 / wrong as f64)
 }
 
 /// Time through every layer over that where the first tells whether to go on, two layers.
@@ -78,14 +119,19 @@ fn build_of_four_layers_over_eyes(scene: &SceneRows<'_>) -> Option<Estimate> {
     ratio(scene.record, &Timed::steady_build(row), &traced(row, "stereo")?.times(2.0))
 }
 
-/// The share of temporal rays that one layer misses wrongly and two do not, where the camera has moved farthest; nothing is inpainted.
-/// Of all second layers, by separation and back faces, the best.
-fn recovered_by_second_layer(scene: &SceneRows<'_>) -> Option<f64> {
+/// Of temporal rays that are wrong in one layer since it does not hold what they hit, though the view shows it, the share that a second
+/// holds, where the camera has moved farthest; nothing is inpainted. Of all second layers the best, by its separation and back faces.
+fn recovered_by_second_layer(scene: &SceneRows<'_>) -> Option<(String, f64)> {
     let scene = scene.of_rays(experiments::FARTHEST);
-    let misses = |row: &Row| missed(trace(row, "temporal")?).map(|[_, missed]| missed as f64);
-    let one = misses(row(&scene, &[("layers", "1"), ("inpainting", "never")])?).filter(|missed| *missed > 0.0)?;
-    let two = scene.of_tracer(QUADTREE).filter(|row| has(row, "layers", "2")).filter_map(misses);
-    least(two).map(|two| (one - two) / one)
+    let lost = |row: &Row| {
+        let trace = trace(row, "temporal")?;
+        let of = |cause: &&str| of_cause(trace, "footprint", cause).map(|[_, rays]| rays as f64);
+        [HIDDEN_LAYER, LEFT_OUT, "behind_last_layer"].iter().map(of).sum::<Option<f64>>()
+    };
+    let one = lost(row(&scene, &[("layers", "1"), ("inpainting", "never")])?).filter(|lost| *lost > 0.0)?;
+    let of = |row: &&Row| has(row, "layers", "2");
+    let two = scene.of_tracer(QUADTREE).filter(of).filter_map(|row| Some((row.label(), (one - lost(row)?) / one)));
+    two.max_by(|(_, one), (_, other)| one.total_cmp(other))
 }
 
 /// Footprint agreement with normals of the geometry less that with normals of depths, of the ray set that gains least.
@@ -108,18 +154,16 @@ fn lossless_error_in_tolerances(scene: &SceneRows<'_>) -> Option<f64> {
     least(["depth", "geometry"].into_iter().filter_map(error))
 }
 
-/// Rays in a million missed without dilation beyond those missed with it.
-fn undilated_false_misses_beyond(scene: &SceneRows<'_>) -> Option<f64> {
+/// Stereo and temporal rays in a million missed without dilation beyond those missed with it, with the interval of both shares.
+fn undilated_false_misses_beyond(scene: &SceneRows<'_>, dilated: &str) -> Option<Estimate> {
     let scene = near(scene);
-    beyond(row(&scene, &[("dilated", "none")])?, row(&scene, &[])?, missed)
-}
-
-/// Time with two levels fewer than the paper's most over that with these.
-fn two_levels_fewer(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let scene = near(scene);
-    let [fewer, most] = ["7", "9"].map(|levels| row(&scene, &[("levels", levels)]));
-    let (fewer, most) = (fewer?, most?);
-    of_both_sets(|rays| scene.trace_ratio(fewer, most, rays))
+    let share = |dilated: &str| {
+        let row = row(&scene, &[("dilated", dilated)])?;
+        let all = SETS.iter().map(|rays| missed(trace(row, rays)?)).collect::<Option<Vec<_>>>()?;
+        let [rays, missed] = all.iter().fold([0, 0], |[rays, missed], one| [rays + one[0], missed + one[1]]);
+        Some(Estimate::timed(missed as f64 / rays as f64, wilson(missed, rays)?, []) * MILLION)
+    };
+    Some(share("none")? - share(dilated)?)
 }
 
 /// The first part and that where eye and camera have moved farthest.
@@ -137,21 +181,12 @@ fn samples(scene: &SceneRows<'_>) -> Option<f64> {
     per_ray(trace(scene.like_first(DDA, &[])?, "stereo")?, SAMPLES)
 }
 
-fn nodes(scene: &SceneRows<'_>) -> Option<f64> {
-    per_ray(trace(row(scene, &[("layers", "1")])?, "stereo")?, NODES)
-}
-
 /// The exponent by which DDA's time of stereo rays grows with the depths that it looks at, from near to far.
 fn dda_time_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
     let more = growth(scene, samples)?;
     let [near, far] = ends(scene).map(|part| part.like_first(DDA, &[]));
     let slower = ratio(scene.record, &traced(far?, "stereo")?, &traced(near?, "stereo")?)?;
     (more > 1.0).then(|| slower.rising(f64::ln) / more.ln())
-}
-
-/// By how many times the nodes that a stereo ray visits in one layer grow from near to far, over the growth of DDA's samples.
-fn nodes_growth_over_samples(scene: &SceneRows<'_>) -> Option<f64> {
-    Some(growth(scene, nodes)? / growth(scene, samples)?)
 }
 
 /// Time in two layers where eye and camera have moved farthest over that near, mean of both ray sets.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::papers::estimate::Estimate;
-use crate::papers::quantity::{Quantity, farthest_from_one, of_scene, timed_of_scene, timed_of_scenes};
+use crate::papers::quantity::{Quantity, timed_of_scene, timed_of_scenes};
 use crate::papers::rows::{SceneRows, statistic};
 use crate::papers::times::{rank_correlation, ratio};
 use crate::papers::wkp15::{QUADTREE, one_and_two, row};
@@ -14,17 +14,12 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("tree_time_of_two_layers_over_one", "", two_layers_over_one),
     timed_of_scene("drawing_two_layers_over_one", "", drawing_two_layers_over_one),
     timed_of_scene("rank_of_tree_time_by_nodes", "", rank_by_nodes),
-    of_scene("bytes_a_node", "bytes", bytes_a_node),
 ];
 
 /// What the phases of the trees begin with.
 const OF_TREES: [&str; 2] = ["bottom level", "merge level"];
 /// What those begin with that draw the layers and look up what shading needs; what is left copies for searches.
 const OF_LAYERS: [&str; 3] = ["draw layers", "name triangles", "normals and materials"];
-/// What the ledger calls the trees.
-const TREES: &str = "quad-tree nodes";
-/// Bytes of a node by Figure 3.
-const NODE_BYTES: f64 = 8.0;
 
 /// Those phases of a row's build whose names begin so.
 fn phases<'a>(row: &'a Row, begins: &'static [&'static str]) -> impl Iterator<Item = &'a PhaseRecord> {
@@ -72,13 +67,13 @@ fn of_most_triangles_over_fewest(scenes: &[SceneRows<'_>]) -> Option<Estimate> {
 
 /// Time of the trees of two layers over that of one.
 fn two_layers_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let [one, two] = one_and_two(scene, QUADTREE)?;
+    let [one, two] = one_and_two(scene, QUADTREE, &[])?;
     ratio(scene.record, &trees(two)?, &trees(one)?)
 }
 
 /// Time of drawing two layers over that of one.
 fn drawing_two_layers_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let [one, two] = one_and_two(scene, QUADTREE)?;
+    let [one, two] = one_and_two(scene, QUADTREE, &[])?;
     ratio(scene.record, &drawing(two)?, &drawing(one)?)
 }
 
@@ -91,14 +86,4 @@ pub(in crate::papers::wkp15) fn reachable(row: &Row) -> Option<f64> {
 fn rank_by_nodes(scene: &SceneRows<'_>) -> Option<Estimate> {
     let points = scene.of_tracer(QUADTREE).filter_map(|row| Some((reachable(row)?, trees(row)?)));
     rank_correlation(scene.record, &points.collect::<Vec<_>>())
-}
-
-/// Bytes of the trees by the ledger over the nodes of their levels, reached or not, of all rows that which is farthest from the paper's.
-fn bytes_a_node(scene: &SceneRows<'_>) -> Option<f64> {
-    let bytes = |row: &Row| {
-        let trees = row.memory.structure.iter().find(|part| part.name == TREES)?;
-        Some(trees.used_bytes as f64 / statistic(row, "nodes")?)
-    };
-    let all = scene.of_tracer(QUADTREE).filter_map(bytes).map(|bytes| bytes / NODE_BYTES);
-    farthest_from_one(all).map(|ratio| ratio * NODE_BYTES)
 }
