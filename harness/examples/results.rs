@@ -195,8 +195,9 @@ fn versions(record: &Value) -> String {
 
 /// The hits of each trace of a record, by place.
 fn hits(record: &Value) -> Vec<[&str; 2]> {
-    let hashes = |trace: &'_ Value| ["rays_sha256", "hits_sha256"].map(|key| trace[key].as_str().unwrap_or_default());
-    traces(record).map(hashes).collect()
+    traces(record)
+        .map(|trace| ["rays_sha256", "hits_sha256"].map(|key| trace[key].as_str().unwrap_or_default()))
+        .collect()
 }
 
 /// The entries that a text names by files or folders below results/.

@@ -173,7 +173,8 @@ fn check(
         let pixel = [index % shape.size[0], index / shape.size[0]];
         let (expected, found) = (vertex_of(view, pixel, depth), Vec3::from(*vertex).as_dvec3());
         let reach = expected.abs().max_element() + (expected - view.eye).length() + view.eye.abs().max_element();
-        if !((found - expected).length() <= VERTEX_SLACK * reach) {
+        let off = (found - expected).length();
+        if off.is_nan() || off > VERTEX_SLACK * reach {
             return refuse(format!("the vertex of pixel {pixel:?} lies at {found}, not at {expected}"));
         }
     }
