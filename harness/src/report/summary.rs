@@ -100,11 +100,11 @@ fn footprint(record: &Record) -> Option<String> {
         let ViewpointRecord { vertical_fov_degrees, frame: [width, height], face, .. } = row.viewpoint;
         let of_frame = REFERENCE_PIXELS * f64::from(0.5 * vertical_fov_degrees).to_radians().tan() / f64::from(height);
         let of_face = REFERENCE_PIXELS / f64::from(face);
-        format!("{} of {width}x{height} and {} of {face}x{face}", significant(of_frame, 2), significant(of_face, 2))
+        let [of_frame, of_face] = [of_frame, of_face].map(|times| significant(times, 2));
+        format!("at {width}x{height} a frame's is {of_frame} times as wide, at {face}x{face} a face's {of_face} times")
     };
-    let each = record.rows.iter().map(of).unique().collect::<Vec<_>>().join(", ");
-    let said = "Footprint: one pixel of the reference camera. A pixel of a frame and one of a face are so many such pixels wide:";
-    (!each.is_empty()).then(|| format!("{said} {each}."))
+    let each = record.rows.iter().map(of).unique().collect::<Vec<_>>().join("; ");
+    (!each.is_empty()).then(|| format!("Footprint: one pixel of the reference camera; {each}."))
 }
 
 /// How long was sampled, and which interleaved sets decide nothing.

@@ -441,6 +441,26 @@ fn the_summary_tells_statistics() {
     assert!(!summary(&record).contains("says of itself"));
 }
 
+/// Proves that pages say how wide pixels are beside those of the reference camera, whose 90 degrees have 1024: each resolution once.
+#[test]
+fn pixels_stand_beside_the_footprints() {
+    let mut record = of_peers();
+    for row in &mut record.rows {
+        (row.viewpoint.vertical_fov_degrees, row.viewpoint.frame, row.viewpoint.face) = (90.0, [512, 256], 512);
+    }
+    let said = |record: &Record| {
+        let (_folder, files) = write(record);
+        let page = String::from_utf8(files["summary.md"].clone()).unwrap();
+        page.lines().find(|line| line.contains("Footprint: ")).map(str::to_owned)
+    };
+    let once = said(&record).unwrap();
+    assert!(once.ends_with("at 512x256 a frame's is 4.0 times as wide, at 512x512 a face's 2.0 times."), "{once}");
+    record.rows[0].viewpoint.vertical_fov_degrees = 60.0;
+    assert!(said(&record).unwrap().contains("is 2.3 times as wide"));
+    record.rows.clear();
+    assert_eq!(said(&record), None);
+}
+
 /// The committed records, in order.
 fn committed(folder: &Path) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -304,7 +304,7 @@ fn displacement_is_held_against_near() {
     close(*share, 0.6);
     assert!(name.starts_with("a (") && name.contains("minimum_separation=0.02"), "{name}");
     close(value("height_field_early_share", &record), 0.75);
-    let two = |one: &&mut Row| one.tracer.parameters["layers"] == 2;
+    let two = |one: &&mut Row| one.tracer.parameters.get("layers").is_some_and(|layers| *layers == 2);
     for one in record.rows.iter_mut().filter(two) {
         for rays in ["stereo", "temporal"] {
             let part = if one.viewpoint.ray_parameters["stereo_offset"] == 0.032 { 20 } else { 5 };
