@@ -277,6 +277,7 @@ fn without_an_adapter() {
         "quadtree",
         "screen-dda",
         "height-field",
+        "mesh-warp",
     ];
     assert_eq!(names_of_skipped, of_device);
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("adapter")));

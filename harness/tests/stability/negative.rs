@@ -101,7 +101,7 @@ const NOT_TOLD: &[(&str, &str, &[&str], &str)] = &[
 ];
 
 /// Proves that tracers which always miss, always hit, or err on every tenth ray are unexpected in every cell of the matrix, published and
-/// improved, but for those that are listed with a reason. An oracle is unexpected wherever rays must be wrong, and nowhere else.
+/// improved, but for those that are listed with a reason. An oracle is unexpected wherever rays must be wrong or refused, and nowhere else.
 #[test]
 fn tracers_with_faults_are_unexpected_in_all_cells_but_those_listed() {
     let nothing = |fault: Fault| {
@@ -136,7 +136,8 @@ fn tracers_with_faults_are_unexpected_in_all_cells_but_those_listed() {
             let expectation = cell.expectation.as_ref().unwrap();
             if subject == "oracle" {
                 let must_err = |index| expectation.expected_share(index).is_some_and(|share| share > 0.01);
-                let expected = (0..case.difficulty_parameter.values.len()).any(must_err);
+                let must_refuse = expectation.kind == "unserved";
+                let expected = must_refuse || (0..case.difficulty_parameter.values.len()).any(must_err);
                 assert_eq!(cell.verdict.is_unexpected(), expected, "{}, {}: {}", case.name, column.column, cell.text);
                 right_unexpected += usize::from(expected);
             } else if !cell.verdict.is_unexpected() {
