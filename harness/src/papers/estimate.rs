@@ -14,7 +14,7 @@ pub struct Estimate {
     pub value: f64,
     /// Where it lies; of what is counted the number itself, twice.
     pub interval: [f64; 2],
-    /// Whether a time is in it.
+    /// Whether a time is in it, or the share of a sample: what lies in an interval.
     pub timed: bool,
     /// Whether the interval holds methods at equal launch settings and each at its best.
     pub at_launch_settings: bool,

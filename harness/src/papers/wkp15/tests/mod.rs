@@ -69,6 +69,17 @@ fn lost_figures_are_named() {
     assert_eq!(fixture::lost(&PAPER), ["wkp15-figure14", "wkp15-figure15"]);
 }
 
+/// What the page of Figure 14 says of corners is what half a pixel's edge times the tangent of the usual angle is.
+#[test]
+fn angles_are_refused_by_distances_first() {
+    let figure = PAPER.experiment("wkp15-figure14").unwrap();
+    let said = figure.notes.iter().find(|note| note.contains("gamma_norm decides nothing")).unwrap();
+    for edge in [512.0, 1600.0] {
+        let corner = 0.5 / edge * 3.0_f64.to_radians().tan();
+        assert!(corner > 1e-5 && said.contains(&format!("{corner:.1e}")), "{corner:.1e}: {said}");
+    }
+}
+
 const SCENES: [&str; 3] = ["SPONZA", "LIVINGROOM", "SANMIGUEL"];
 
 /// A column of a method's rows over that of another's, by scene.
