@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use tracebench_api::{AdapterChoice, Gpu, Preset, Timing, TraceTo};
+use tracebench_api::{AdapterChoice, Gpu, Preset, Timing, TraceTo, TracerError};
 use tracebench_harness::files::OutputFolder;
 use tracebench_harness::judge::WRONG_RAYS_PER_CAUSE;
 use tracebench_harness::measure::session::Session;
@@ -162,10 +162,11 @@ fn sample_traces(
         group.throughput(Throughput::Elements(rays.buffer.host.len() as u64));
         for (label, config) in configs {
             let mut hits = session.hit_buffer(config, rays)?;
-            // Rays that it does not serve, `reproduce` has named.
-            if session.sample_trace(config, rays, &mut hits, 1).is_err() {
-                continue;
-            }
+            match session.sample_trace(config, rays, &mut hits, 1) {
+                // Rays that it does not serve, `reproduce` has named.
+                Err(TracerError::Unsupported(_)) => continue,
+                traced => traced?,
+            };
             group.bench_function(BenchmarkId::from_parameter(label), |bencher| {
                 bencher.iter_custom(|iterations| {
                     let mut trace = || session.sample_trace(config, rays, &mut hits, 1).expect("it was traced before");
