@@ -307,7 +307,8 @@ impl<'a> InterleavedSet<'a> {
         let still: Vec<usize> = (0..self.slots.len()).filter(|slot| self.slots[*slot].follows.is_none()).collect();
         let seed = self.order_seed(BUILDS, 0);
         let configs: Vec<usize> = still.iter().copied().filter(|slot| self.is_tracer(*slot)).collect();
-        let mut rounds = self.rounds(seed, still.len(), configs.iter().copied(), self.sampling());
+        let sampling = self.sampling().filter(|_| self.options.builds_timed);
+        let mut rounds = self.rounds(seed, still.len(), configs.iter().copied(), sampling);
         let bar = self.progress.bar(BUILDS, (rounds.least() * still.len()) as u64);
         let gpu = self.session.gpu();
         // Intervals are waited for of what is compared.
@@ -373,7 +374,7 @@ impl<'a> InterleavedSet<'a> {
 
     /// A first build and, where times are taken, a steady one behind it.
     fn build_once(&mut self, slot: usize, counts: bool) {
-        let (session, timed) = (self.session, self.options.timed);
+        let (session, timed) = (self.session, self.options.timed && self.options.builds_timed);
         let built = self.attempt(slot, |one| {
             let first = one.config.build(session.geometry(), &one.viewpoint, session.gpu())?;
             let mut again = || one.config.update(Update::Rebuild, session.geometry(), &one.viewpoint, session.gpu());

@@ -44,6 +44,8 @@ pub(crate) struct MeasureOptions {
     pub seed: u64,
     /// Whether times are taken: else everything is done once.
     pub timed: bool,
+    /// Whether builds are timed where traces are: else everything is built once.
+    pub builds_timed: bool,
     /// Whether structures are read back and checked.
     pub validated: bool,
     /// Whether traces are repeated by the counting variant.
@@ -61,7 +63,7 @@ impl MeasureOptions {
     /// Everything once.
     pub fn untimed() -> Self {
         let sampling = SampleSchedule::rounds(0);
-        Self { sampling, seed: 0, timed: false, validated: true, counted: true, lenient: false }
+        Self { sampling, seed: 0, timed: false, builds_timed: true, validated: true, counted: true, lenient: false }
     }
 }
 

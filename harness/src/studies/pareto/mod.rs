@@ -1,7 +1,7 @@
 //! Fronts of speed, bytes and build against error over every method's parameters: the same number of points for every tracer, all over
 //! the same rays. What follows from the rows, fronts, operating points and break-even, is derived and not kept.
 //!
-//! In every scene all points are measured from its viewpoint. Points that are an operating point there are measured again
+//! In every scene all points are measured from its viewpoint. Points that are an operating point there are judged again, untimed,
 //! from another viewpoint with rays of another seed and image; traced with fewer rays, for what a ray takes beside what a trace does; and
 //! refitted.
 
@@ -131,7 +131,7 @@ impl Pareto {
     /// One scene, in all of its places from an index on.
     fn scene(&mut self, index: usize, plan: &Plan, record: &mut Record, context: &Context<'_>) -> Result<(), RunError> {
         let all: Vec<usize> = (0..self.points.len()).collect();
-        let Some(found) = self.place(index, plan, &all, context)? else { return Ok(()) };
+        let Some(found) = self.place(index, plan, &all, MeasureOptions::timed(plan), context)? else { return Ok(()) };
         let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
         record.skipped.extend(blind(&found, &viewpoint));
         self.add(record, &all, found, &scene.name);
@@ -158,7 +158,9 @@ impl Pareto {
         for (place, part) in SMALLER_IMAGES.into_iter().enumerate() {
             let ray_image = plan.preset.ray_image.map(|edge| (edge / part).max(1));
             let smaller = Plan { preset: RunPreset { ray_image, ..plan.preset }, ..plan.clone() };
-            let Some(found) = self.place(index + 2 + place, &smaller, &chosen, context)? else { continue };
+            // Its builds are those of before.
+            let options = MeasureOptions { builds_timed: false, validated: false, ..MeasureOptions::timed(&smaller) };
+            let Some(found) = self.place(index + 2 + place, &smaller, &chosen, options, context)? else { continue };
             let ray_image = found.viewpoint.ray_image;
             self.add(record, &chosen, found, &format!("{name} with {}×{} pixels", ray_image[0], ray_image[1]));
             self.tell(|scene| scene.ray_images.push(ray_image));
@@ -194,15 +196,15 @@ impl Pareto {
         index: usize,
         plan: &Plan,
         points: &[usize],
+        options: MeasureOptions,
         context: &Context<'_>,
     ) -> Result<Option<Measured>, RunError> {
         let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
         let requests: Vec<Request> = points.iter().map(|point| Request::of(&self.points[*point].request)).collect();
-        measure::measure_scene(index, plan, (scene, None), &requests, MeasureOptions::timed(plan), None, context)
-            .map(Some)
+        measure::measure_scene(index, plan, (scene, None), &requests, options, None, context).map(Some)
     }
 
-    /// Some points from another viewpoint, with rays of another seed and from other places in their pixels.
+    /// Some points from another viewpoint, with rays of another seed and from other places in their pixels; nothing is timed there.
     fn elsewhere(
         &self,
         index: usize,
@@ -214,7 +216,9 @@ impl Pareto {
         let ray_image = between_samples(plan.preset.ray_image, plan.preset.frame, CHECKED_PART);
         let preset = RunPreset { ray_image, ..plan.preset };
         let plan = Plan { preset, view: ViewRequest::Other(Box::new(plan.view.clone())), seed, ..plan.clone() };
-        let Some(found) = self.place(index, &plan, points, context)? else { return Ok(None) };
+        let Some(found) = self.place(index, &plan, points, MeasureOptions::untimed(), context)? else {
+            return Ok(None);
+        };
         let viewpoint: ViewpointRecord = found.viewpoint.clone();
         Ok(Some((found, HeldOutRecord { seed, viewpoint })))
     }

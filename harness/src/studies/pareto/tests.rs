@@ -288,6 +288,15 @@ fn chosen_points_are_measured_again() {
         assert!(here.entries[0].trace.rays_sha256 != field.entries[0].trace.rays_sha256);
     }
     assert_eq!(fronts.elsewhere.len(), 2);
+    // What is not asked of a place is not timed there: of smaller images builds, elsewhere anything.
+    for row in record.rows.iter().filter(|row| row.update_mode.is_none()) {
+        let [is_here, is_smaller] = [
+            fronts.scene.viewpoint.ray_image == row.viewpoint.ray_image,
+            fronts.scene.ray_images.contains(&row.viewpoint.ray_image),
+        ];
+        assert_eq!(row.build.steady.is_some(), is_here);
+        assert!(row.traces.iter().all(|trace| trace.times.samples_ms.is_empty() != (is_here || is_smaller)));
+    }
     assert_eq!(fronts.scene.ray_images, [[8, 4], [4, 2]]);
     for entry in fronts.fields[0].entries.iter().filter(|entry| chosen.contains(&entry.index)) {
         let refitted = refit(&record, fronts.scene, entry).unwrap();
