@@ -1,4 +1,4 @@
-//! What matters most, within seven minutes, by `tracebench reproduce`; then criterion samples builds and diffuse rays in `room` through the
+//! What matters most, within six minutes, by `tracebench reproduce`; then criterion samples builds and diffuse rays in `room` through the
 //! harness's clock, for its own statistics and its comparison with the last time.
 //!
 //! `TRACEBENCH_PRESET` chooses the run preset. `smoke` shows within two minutes that all works; `paper` takes every table whole, and goes
@@ -50,7 +50,7 @@ fn reproduce(preset: Option<&str>) -> Result<PathBuf, Box<dyn Error>> {
     let budget = match preset {
         Some("smoke") => "90s",
         Some("paper") => "whole",
-        _ => "7m",
+        _ => "330s",
     };
     let out = folder();
     let mut command = Command::new(env!("CARGO_BIN_EXE_tracebench"));
