@@ -4,7 +4,7 @@
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::level_size
 #import tracebench::quadtree_forest::{Forest, node_index}
-#import tracebench::quadtree_node::{NOTHING, is_plane, plane_of, range_of, box_of, box_words, z_on}
+#import tracebench::quadtree_node::{NOTHING, ends_of, is_plane, plane_of, range_of, box_of, box_words, z_on}
 #import tracebench::quadtree_patches::{SIDES, step_across, ends_at}
 #import tracebench::quadtree_proxy::merged
 
@@ -12,9 +12,6 @@
 // The level to make, from 1 on.
 @group(0) @binding(1) var<uniform> made: vec4<u32>;
 @group(0) @binding(2) var<storage, read_write> nodes: array<vec2<u32>>;
-
-// Whether planes of pixels are joined.
-override JOINED: bool;
 
 const WORKGROUP_SIZE: u32 = 64u;
 
@@ -64,11 +61,11 @@ fn merge(invocation: Invocation) {
         }
     }
     // What may end at a plane beside it stays a pixel: boxes above a plane of several would not know how far those beside them go.
-    var words = merged(forest, children, there, level - 1u, JOINED);
-    if (JOINED && level == 1u && !is_plane(words)) {
+    var words = merged(forest, children, there, level - 1u);
+    if (level == 1u && !is_plane(words)) {
         var box = box_of(words);
         for (var child = 0u; child < 4u; child++) {
-            if (is_plane(children[child]) && plane_of(children[child], vec2<f32>(forest.size)).flagged) {
+            if (ends_of(children[child]) != 0u) {
                 let pixel = 2u * cell + vec2<u32>(child & 1u, child >> 1u);
                 box.least = min(box.least, min_joined(image, pixel, children[child]));
             }

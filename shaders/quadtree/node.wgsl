@@ -4,12 +4,15 @@
 // boxes, 0. A plane has its z at the node's middle and two components of its normal in half precision; a box has least and greatest z.
 // The paper adds the flag of discontinuity to z (P + O), which costs z bits. No z exceeds 1, so that bit 30 of such a float is always
 // 0: here the flag stands in that bit of the first word. In the same place of a box's second word its sign bit says that pixels in it
-// show nothing.
+// show nothing. No component of a normal exceeds 1, so that bit 14 of such a half is always 0: there a pixel says across which of its
+// sides its plane ends at the neighbour's.
 
 const PLANE_BIT: u32 = 0x80000000u;
 const FLAG_BIT: u32 = 0x40000000u;
 const HOLES_BIT: u32 = 0x80000000u;
 const FLOAT_BITS: u32 = 0x3fffffffu;
+// The left or the right side, and the upper or the lower one.
+const ENDS: vec2<u32> = vec2<u32>(0x00004000u, 0x40000000u);
 
 // Steeper planes than so many cube heights a cube width have no normal that half precision tells from one along the image.
 const STEEPEST: f32 = 30.0;
@@ -53,9 +56,14 @@ fn normal_words(normal: vec3<f32>) -> u32 {
 }
 
 fn normal_of_words(word: u32) -> vec3<f32> {
-    let across = unpack2x16float(word);
+    let across = unpack2x16float(word & ~(ENDS.x | ENDS.y));
     // What STEEPEST lets through leaves more than this.
     return vec3<f32>(across, sqrt(max(1.0 - dot(across, across), 5e-4)));
+}
+
+// Bits of the axes along which a plane ends at a neighbour's.
+fn ends_of(words: vec2<u32>) -> u32 {
+    return select(0u, words.y & (ENDS.x | ENDS.y), is_plane(words));
 }
 
 fn slope_of_normal(normal: vec3<f32>) -> vec2<f32> {

@@ -5,7 +5,7 @@
 // last ancestor that both have in common.
 
 #import tracebench::quadtree_forest::{DILATE_NONE, levels_apart, z_of_pixels}
-#import tracebench::quadtree_node::{Plane, is_plane, is_empty, plane_of, box_of, z_on}
+#import tracebench::quadtree_node::{ENDS, Plane, ends_of, is_plane, is_empty, plane_of, box_of, z_on}
 #import tracebench::quadtree_proxy::is_dilated
 #import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, cell_at, child_at, successor}
 #import tracebench::lanes::open
@@ -174,7 +174,11 @@ fn test_joined(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
     let was_before = entry <= before_until + places_of(track, SIDE_SLACK);
     if (max(passage.at_entry, passage.at_exit) > 0.0) {
         // Else the ray is before what lies behind all.
+        let ends = ends_of(words);
         for (var side = 0u; side < SIDES; side++) {
+            if ((ends & ENDS[side >> 1u]) == 0u) {
+                continue;
+            }
             let step = step_across(side);
             let beside = neighbour_node(image, cell + step);
             if (!is_plane(beside)) {
@@ -260,11 +264,17 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
     let whole = Bounds(vec2<f32>(0.0), vec2<f32>(forest.size));
     inside_from = min(enters_at(track, whole, first), end);
     let out = leaves_at(track, whole, inside_from);
-    let outside_from = min(min(out.x, out.y), end);
+    var outside_from = min(min(out.x, out.y), end);
     let last = vec2<i32>(forest.size) - 1;
     var place = inside_from;
     var level = forest.top;
-    var cell = cell_at(track, place, level, last >> vec2<u32>(level));
+    var cell = cell_at(track, place, 0u, last);
+    if (search.from_ancestor == 1u) {
+        // The child of the last ancestor that the ray's both ends have in common.
+        let other = cell_at(track, outside_from, 0u, last);
+        level = min(select(levels_apart(vec2<u32>(cell), vec2<u32>(other)), 0u, all(cell == other)), level);
+    }
+    cell = cell >> vec2<u32>(level);
     // The cells of all levels on the way down to where the walk is, if they are kept.
     var path = array<vec2<i32>, 16>();
     open += 1u;
@@ -289,8 +299,7 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
 #ifdef COUNTERS
                 work[1] += 1u;
 #endif
-                // Above pixels no plane is flagged.
-                if (is_joined() && plane_of(words, vec2<f32>(forest.size)).flagged) {
+                if (is_joined() && ends_of(words) != 0u) {
                     test_joined(image, words, cell, bounds);
                 } else {
                     test_plane(image, words, bounds);
@@ -305,16 +314,20 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
                 }
             }
         }
-        if (found.place <= end || found.stopped) {
-            open -= 1u;
-            break;
-        }
         if (down <= end && level > 0u) {
             place = max(place, down);
             cell = child_at(track, place, cell, level, last >> vec2<u32>(level - 1u));
             level -= 1u;
             continue;
         }
+        // Beyond its node a plane is met where another one may lie before it, near a discontinuity.
+        let is_beyond = found.place > exit && found.plane.flagged;
+        if (found.stopped || (found.place <= end && !is_beyond)) {
+            open -= 1u;
+            break;
+        }
+        end = min(end, found.place);
+        outside_from = min(outside_from, end);
         if (exit >= outside_from) {
             open -= 1u;
             break;

@@ -5,6 +5,8 @@ use tracebench_api::glam::{DVec2, DVec3};
 const PLANE_BIT: u32 = 0x8000_0000;
 const FLAG_BIT: u32 = 0x4000_0000;
 const FLOAT_BITS: u32 = 0x3fff_ffff;
+/// Of the sides across x, and of those across y.
+const ENDS: [u32; 2] = [0x4000, 0x4000_0000];
 
 /// Of a pixel that shows nothing.
 pub(crate) const NOTHING: [u32; 2] = [0x3f80_0000, 0x8000_0000];
@@ -31,6 +33,8 @@ pub(crate) struct Plane {
     pub slope: DVec2,
     /// Near a discontinuity.
     pub flagged: bool,
+    /// Whether it ends at a neighbour's along x and along y.
+    pub ends: [bool; 2],
 }
 
 /// A number in half precision.
@@ -54,10 +58,12 @@ impl Node {
         if words[0] & PLANE_BIT == 0 {
             return Self::Box { least: z_of(words[0]), greatest: z_of(words[1]), holes: words[1] & PLANE_BIT != 0 };
         }
-        let across = DVec2::new(half(words[1] as u16), half((words[1] >> 16) as u16));
+        let normal = words[1] & !(ENDS[0] | ENDS[1]);
+        let across = DVec2::new(half(normal as u16), half((normal >> 16) as u16));
         let normal = across.extend((1.0 - across.length_squared()).max(5e-4).sqrt());
         let slope = -across / normal.z / DVec2::new(f64::from(size[0]), f64::from(size[1]));
-        Self::Plane(Plane { z: z_of(words[0]), normal, slope, flagged: words[0] & FLAG_BIT != 0 })
+        let ends = ENDS.map(|bit| words[1] & bit != 0);
+        Self::Plane(Plane { z: z_of(words[0]), normal, slope, flagged: words[0] & FLAG_BIT != 0, ends })
     }
 }
 
@@ -95,7 +101,7 @@ mod tests {
         }
     }
 
-    /// Kinds are told by the sign of the first word, flag and holes by the spare bits.
+    /// Kinds are told by the sign of the first word, flag, ends and holes by the spare bits.
     #[test]
     fn kinds_are_told_apart() {
         let size = [64, 32];
@@ -104,9 +110,11 @@ mod tests {
         for (bit, holes) in [(0, false), (PLANE_BIT, true)] {
             assert_eq!(Node::of([quarter, half | bit], size), Node::Box { least: 0.25, greatest: 0.5, holes });
         }
-        for (bit, flagged) in [(0, false), (FLAG_BIT, true)] {
-            let Node::Plane(plane) = Node::of([PLANE_BIT | bit | quarter, 0xb800_3800], size) else { panic!() };
-            assert_eq!((plane.z, plane.flagged), (0.25, flagged));
+        for (bit, flagged, ends) in [(0, false, [false; 2]), (FLAG_BIT, true, [true, false]), (0, false, [false, true])]
+        {
+            let ended = ENDS.iter().zip(ends).map(|(bit, ends)| bit * u32::from(ends)).sum::<u32>();
+            let Node::Plane(plane) = Node::of([PLANE_BIT | bit | quarter, 0xb800_3800 | ended], size) else { panic!() };
+            assert_eq!((plane.z, plane.flagged, plane.ends), (0.25, flagged, ends));
             assert_eq!((plane.normal.x, plane.normal.y), (0.5, -0.5));
             assert!((plane.normal.length() - 1.0).abs() < 1e-15);
             // Across the whole image the cube's slope, -normal.x / normal.z.

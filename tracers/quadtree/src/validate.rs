@@ -140,7 +140,7 @@ impl ReadBack<'_> {
             (Node::Empty, None) => true,
             (Node::Plane(plane), Some(depth)) => {
                 let z = self.z_of_depth(depth);
-                (plane.z - z).abs() <= self.rounding(z)
+                (plane.z - z).abs() <= self.rounding(z) && self.ends_rightly(image, pixel, plane)
             }
             _ => false,
         };
@@ -170,7 +170,6 @@ impl ReadBack<'_> {
             })
             .collect();
         let wrong = match node {
-            Node::Plane(plane) if self.shape.is_joined && plane.flagged => Some("is flagged and no pixel".to_owned()),
             Node::Plane(plane) => self.wrong_plane(&plane, &children, edge),
             Node::Empty => {
                 children.iter().any(|(_, child)| *child != Node::Empty).then(|| "hides something".to_owned())
@@ -206,6 +205,9 @@ impl ReadBack<'_> {
         for (from_middle, child) in children {
             let Node::Plane(child) = child else { return Some("is a plane over what is none".to_owned()) };
             flagged |= child.flagged;
+            if child.ends != [false; 2] || plane.ends != [false; 2] {
+                return Some("stands for a plane that ends at another".to_owned());
+            }
             let turned = (child.normal - plane.normal).length();
             if turned > angle * (1.0 + 1e-3) + 1e-6 {
                 return Some(format!("is turned from one below by {turned}, more than {angle}"));
@@ -222,24 +224,42 @@ impl ReadBack<'_> {
         (flagged != plane.flagged).then(|| "has another flag than those below".to_owned())
     }
 
+    /// The planes beside a flagged pixel's: the axis across which they lie, by how much both lie before each other's middle, what rounding
+    /// may make of that, and their least z in the pixel.
+    fn beside(&self, image: usize, [x, y]: [u32; 2], own: Plane) -> impl Iterator<Item = (usize, f64, f64, f64)> {
+        let steps = [[1, 0], [-1, 0], [0, 1], [0, -1]].into_iter().filter(move |_| self.shape.is_joined && own.flagged);
+        steps.filter_map(move |[across, down]: [i32; 2]| {
+            let [width, height] = self.shape.size();
+            let at = [x.checked_add_signed(across)?, y.checked_add_signed(down)?];
+            let node = (at[0] < width && at[1] < height).then(|| self.node(image, 0, at));
+            let Some(Node::Plane(beside)) = node else { return None };
+            let step = DVec2::new(f64::from(across), f64::from(down));
+            let before = (own.z_at(step) - beside.z).min(beside.z_at(-step) - own.z);
+            let change = (own.slope.abs() + beside.slope.abs()).element_sum();
+            let slack = self.rounding(own.z.max(beside.z)) + SLOPE_ROUNDING * change;
+            let there = (beside.z_at(-step) - 0.5 * beside.slope.abs().element_sum()).clamp(0.0, 1.0);
+            Some((usize::from(across == 0), before, slack, there))
+        })
+    }
+
+    /// Whether a pixel says rightly along which axes its plane ends at a neighbour's, as far as rounding lets it.
+    fn ends_rightly(&self, image: usize, pixel: [u32; 2], own: Plane) -> bool {
+        let [mut surely, mut possibly] = [[false; 2]; 2];
+        for (axis, before, slack, _) in self.beside(image, pixel, own) {
+            surely[axis] |= before > slack;
+            possibly[axis] |= before > -slack;
+        }
+        (0..2).all(|axis| (surely[axis] <= own.ends[axis]) && (own.ends[axis] <= possibly[axis]))
+    }
+
     /// Of four pixels the least z of planes beside them at which theirs end: of those that surely do so, and of all that may.
-    fn min_joined(&self, image: usize, cell: [u32; 2]) -> [f64; 2] {
-        let [width, height] = self.shape.size().map(i64::from);
-        let plane_at = |at: [i64; 2]| {
-            let is_there = (0..width).contains(&at[0]) && (0..height).contains(&at[1]);
-            let node = is_there.then(|| self.node(image, 0, at.map(|at| at as u32)));
-            if let Some(Node::Plane(plane)) = node { Some(plane) } else { None }
-        };
+    fn min_joined(&self, image: usize, [x, y]: [u32; 2]) -> [f64; 2] {
         let mut least = NO_LIMIT;
-        for pixel in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [2 * cell[0] + x, 2 * cell[1] + y].map(i64::from)) {
-            let Some(own) = plane_at(pixel).filter(|plane| plane.flagged) else { continue };
-            for [x, y] in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
-                let Some(beside) = plane_at([pixel[0] + x, pixel[1] + y]) else { continue };
-                let step = DVec2::new(x as f64, y as f64);
-                let before = (own.z_at(step) - beside.z).min(beside.z_at(-step) - own.z);
-                let change = (own.slope.abs() + beside.slope.abs()).element_sum();
-                let slack = self.rounding(own.z.max(beside.z)) + SLOPE_ROUNDING * change;
-                let there = (beside.z_at(-step) - 0.5 * beside.slope.abs().element_sum()).clamp(0.0, 1.0);
+        let size = self.shape.size();
+        for pixel in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| [2 * x + right, 2 * y + down]) {
+            let node = (pixel[0] < size[0] && pixel[1] < size[1]).then(|| self.node(image, 0, pixel));
+            let Some(Node::Plane(own)) = node else { continue };
+            for (_, before, slack, there) in self.beside(image, pixel, own) {
                 if before > slack {
                     least[0] = least[0].min(there);
                 }

@@ -26,10 +26,13 @@ pub(super) struct Joined {
 
 impl Reference<'_> {
     /// A pixel's own plane with its middle, and those beside it at which it ends; whether it is decided which these are.
-    fn joined(&self, image: usize, leaf: &Leaf) -> (Vec<(Plane, DVec2)>, bool) {
+    pub(super) fn joined(&self, image: usize, leaf: &Leaf) -> (Vec<(Plane, DVec2)>, bool) {
         let [width, height] = self.structure.shape.size().map(f64::from);
         let (own, middle) = (leaf.plane, (leaf.low + leaf.high) / 2.0);
-        let (mut all, mut decided) = (vec![(own, middle)], leaf.high.x - leaf.low.x == 1.0);
+        let (mut all, mut decided) = (vec![(own, middle)], true);
+        if !self.structure.shape.is_joined || !own.flagged || leaf.high.x - leaf.low.x > 1.0 {
+            return (all, decided);
+        }
         for step in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
             let at = leaf.low + step;
             if at.min_element() < 0.0 || at.x >= width || at.y >= height {
@@ -51,13 +54,12 @@ impl Reference<'_> {
     /// What a ray meets in a pixel whose plane ends at those beside it: it is behind what is shown where it is behind all.
     pub(super) fn pass_joined(
         &self,
-        image: usize,
+        patches: &[(Plane, DVec2)],
         track: &Track,
         asked: &Asked,
-        leaf: &Leaf,
         passed: &Passed,
     ) -> Joined {
-        let (patches, mut decided) = self.joined(image, leaf);
+        let mut decided = true;
         let Passed { entry, exit, .. } = *passed;
         let behind =
             |(plane, middle): &(Plane, DVec2), place: f64| plane.z_at(track.at(place) - *middle) - track.z(place);
