@@ -4,8 +4,8 @@
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::view::{View, direction_to_eye_space}
 #import tracebench::quadtree_forest::{Forest, z_of_depth, z_of_pixels, node_index}
-#import tracebench::quadtree_node::{ENDS, FLAG_BIT, NOTHING, plane_of, plane_words, slope_words}
-#import tracebench::quadtree_patches::{SIDES, ends_at, step_across}
+#import tracebench::quadtree_node::{FLAG_BIT, NOTHING, SIDES, plane_of, plane_words, slope_words, with_end}
+#import tracebench::quadtree_patches::{end_before, step_across}
 #import tracebench::quadtree_reconstruct::{NO_Z, axis_slope, is_apart}
 
 @group(0) @binding(0) var<uniform> forest: Forest;
@@ -78,10 +78,11 @@ fn plane_at(image: u32, pixel: vec2<i32>, slope: vec2<f32>) -> vec2<u32> {
     return plane_words(z_at(image, pixel), slope_words(slope * vec2<f32>(forest.size)), false);
 }
 
-// The axes along which a pixel's plane ends at that of a neighbour.
-fn ends_along(image: u32, pixel: vec2<i32>, words: vec2<u32>) -> u32 {
+// A flagged pixel's words with the side across which its plane ends at that of a neighbour: of several the one that it gets before most.
+fn ended(image: u32, pixel: vec2<i32>, words: vec2<u32>) -> vec2<u32> {
     let size = vec2<f32>(forest.size);
-    var ends = 0u;
+    var most = 0.0;
+    var found = words;
     for (var side = 0u; side < SIDES; side++) {
         let step = step_across(side);
         let z = z_at(image, pixel + step);
@@ -89,12 +90,13 @@ fn ends_along(image: u32, pixel: vec2<i32>, words: vec2<u32>) -> u32 {
             continue;
         }
         let slope = slope_at(image, pixel + step, z, z_of_pixels(forest, z, forest.discontinuity));
-        let neighbour = plane_of(plane_at(image, pixel + step, slope), size);
-        if (ends_at(plane_of(words, size), neighbour, vec2<f32>(step))) {
-            ends |= ENDS[side >> 1u];
+        let before = end_before(plane_of(words, size), plane_of(plane_at(image, pixel + step, slope), size), vec2<f32>(step));
+        if (before > most) {
+            most = before;
+            found = with_end(words, side);
         }
     }
-    return ends;
+    return found;
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -126,7 +128,7 @@ fn bottom(invocation: Invocation) {
     if (flagged) {
         words.x |= FLAG_BIT;
         if (forest.is_joined == 1u) {
-            words.y |= ends_along(image, pixel, words);
+            words = ended(image, pixel, words);
         }
     }
     nodes[node] = words;
