@@ -34,7 +34,7 @@ const ALL_SCENES: &[StandIn] = &[
     stands_for("hangar", "Hangar"),
     stands_for("candy", "Candy"),
 ];
-const LBVH: ExperimentRow = peer("lbvh-gpu");
+const PLOC: ExperimentRow = peer("ploc-gpu");
 const BVH: ExperimentRow = peer("bvh-gpu");
 
 /// Table 1.
@@ -134,16 +134,16 @@ const FIGURE8: Experiment = Experiment {
     rays: "primary,visibility,diffuse",
     settings: &["rays.visibility_target=outside"],
     steps: &[
-        at(0.25, &[dirt(&[("tile_size", &["1"])]), LBVH, BVH]),
-        at(0.5, &[dirt(&[("tile_size", &["2"])]), LBVH, BVH]),
-        at(1.0, &[dirt(&[("tile_size", &["4"])]), LBVH, BVH]),
-        at(2.0, &[dirt(&[("tile_size", &["8"])]), LBVH, BVH]),
+        at(0.25, &[dirt(&[("tile_size", &["1"])]), PLOC, BVH]),
+        at(0.5, &[dirt(&[("tile_size", &["2"])]), PLOC, BVH]),
+        at(1.0, &[dirt(&[("tile_size", &["4"])]), PLOC, BVH]),
+        at(2.0, &[dirt(&[("tile_size", &["8"])]), PLOC, BVH]),
     ],
     launch: true,
     sections: &[sections::mixes],
     charts: &[charts::mixes],
     notes: &[
-        "lbvh-gpu, built on the device, stands for HLBVH and TRBVH; bvh-gpu is built on the host and uploaded.",
+        "ploc-gpu, built on the device, stands for HLBVH and TRBVH; bvh-gpu is built on the host and uploaded.",
         "Mixes are sums of medians: primary and visibility; primary and diffuse; primary, diffuse and twice visibility. \
          The second shadow ray starts at the secondary hit in the paper, here it is counted as another of the first.",
         "DIRT's primary rays are traced here, not rasterized. The paper's resolutions are lost with the figure.",

@@ -97,7 +97,7 @@ const FIGURE11: Experiment = Experiment {
         &[
             abuffer(&[("thickness", &["0"])]),
             abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
-            peer("lbvh-gpu"),
+            peer("ploc-gpu"),
             peer("bvh-gpu"),
             peer("bvh-cpu"),
             peer("ray-query"),
@@ -106,7 +106,7 @@ const FIGURE11: Experiment = Experiment {
     launch: true,
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
-        "lbvh-gpu, built on the device, stands for TRBVH; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
+        "ploc-gpu, built on the device, stands for TRBVH; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
          is OptiX.",
         "One bounce is the set diffuse. The paper states no thickness; one of 0 is its section 3.4's, the other row's stands in its \
          label.",

@@ -36,7 +36,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 ];
 
 /// The hierarchy built on the device, in place of HLBVH and TRBVH.
-const BVH: &str = "lbvh-gpu";
+const BVH: &str = "ploc-gpu";
 /// Triangles in an occupied tile of one pixel, on the mean, up to which tessellation counts as low or medium.
 const MEDIUM_TESSELLATION: f64 = 4.0;
 /// Part of a ray set's rays that may leave a closed scene: through cracks and by rounding.

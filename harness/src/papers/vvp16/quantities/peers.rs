@@ -8,9 +8,9 @@ use crate::papers::vvp16::{ABUFFER, row};
 use crate::results::{Row, Timed};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    timed_of_scene("lbvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, TRBVH)),
+    timed_of_scene("device_bvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, TRBVH)),
     timed_of_scene("bvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, SBVH)),
-    timed_of_scene("abuffer_trace_over_lbvh", "", |scene| trace_over(scene, TRBVH)),
+    timed_of_scene("abuffer_trace_over_device_bvh", "", |scene| trace_over(scene, TRBVH)),
     timed_of_scene("abuffer_trace_over_bvh", "", |scene| trace_over(scene, SBVH)),
     timed_of_scene("min_bvh_total_over_abuffer", "", min_bvh_total_over_abuffer),
     timed_of_scene("break_even_samples", "samples", break_even_samples),
@@ -19,7 +19,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 ];
 
 /// The hierarchy built on the device, in place of TRBVH.
-const TRBVH: &str = "lbvh-gpu";
+const TRBVH: &str = "ploc-gpu";
 /// The hierarchy built on the host, in place of SBVH.
 const SBVH: &str = "bvh-gpu";
 

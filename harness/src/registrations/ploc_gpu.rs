@@ -1,4 +1,4 @@
-//! The registration of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
+//! The registration of `ploc-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
 
 use super::table::{improved, published, switches};
 use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Table};
@@ -7,14 +7,14 @@ pub(crate) const REGISTRATION: Registration = Registration {
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
     ablation: Some(&ABLATION),
     touches: OF_HIERARCHIES,
-    ..Registration::analytic(tracebench_bvh::lbvh_description, Family::Bvh, |gpu| {
-        Ok(Box::new(tracebench_bvh::LbvhGpu::new(gpu?)?))
+    ..Registration::analytic(tracebench_bvh::ploc_description, Family::Bvh, |gpu| {
+        Ok(Box::new(tracebench_bvh::PlocGpu::new(gpu?)?))
     })
 };
 
 /// Fewer neighbours early, late and throughout, of both kinds of nodes.
 const ABLATION: Table = switches(
-    "lbvh-gpu-ablation",
+    "ploc-gpu-ablation",
     "how far PLOC++ looks for neighbours, as published and improved: builds, traces, bytes, accuracy, counters",
     "primary,diffuse",
     &[
