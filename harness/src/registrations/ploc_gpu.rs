@@ -12,10 +12,10 @@ pub(crate) const REGISTRATION: Registration = Registration {
     })
 };
 
-/// Fewer neighbours early, late and throughout, of both kinds of nodes.
+/// Fewer neighbours early, late and throughout, and none, of both kinds of nodes.
 const ABLATION: Table = switches(
     "ploc-gpu-ablation",
-    "how far PLOC++ looks for neighbours, as published and improved: builds, traces, bytes, accuracy, counters",
+    "how far PLOC++ looks for neighbours, as published and improved, and the radix tree of LBVH: builds, traces, bytes, accuracy, counters",
     "primary,diffuse",
     &[
         published(&[]),
@@ -27,5 +27,7 @@ const ABLATION: Table = switches(
         improved(&[("search_radius", "16")]),
         published(&[("node", "bvh2")]),
         improved(&[("node", "bvh2")]),
+        published(&[("tree", "lbvh")]),
+        published(&[("tree", "lbvh"), ("node", "bvh2")]),
     ],
 );

@@ -11,8 +11,8 @@ use crate::gpu::description::{NodeKind, node_parameter};
 const MAX_NEIGHBOURS: u32 = 16;
 
 choice! {
-    /// How triangles along the Morton curve become a binary tree.
-    pub(crate) enum TreeKind { Clustered = "ploc", Radix = "lbvh" }
+    /// How triangles along the Morton curve become a binary tree, the quickest first.
+    pub(crate) enum TreeKind { Radix = "lbvh", Clustered = "ploc" }
 }
 
 parameters! {

@@ -5,10 +5,13 @@
 //! boxes. H-PLOC (Benthin et al., HPG 2024) gives hierarchies of that quality in one launch and PLOC++ needs one kernel an
 //! iteration, but both have workgroups that wait for others, or that go on with what another has just written: WGSL promises
 //! neither that others make progress nor that their writes are seen within a dispatch, and has no subgroups without an
-//! extension. Karras's LBVH (HPG 2012) builds its tree in one such pass, too, and needs treelets (Karras, Aila, HPG 2013)
-//! for a quality like clustering's. So iterations are dispatches here, four kernels each; their number has a bound that
+//! extension. So iterations are dispatches here, four kernels each; their number has a bound that
 //! the host knows (`iterations`), so nothing is read back, and it bounds the depth, too. H-PLOC in rounds, a dispatch each, was
 //! tried and saved too little: docs/bvh.md says what and why.
+//!
+//! `tree=lbvh` makes Karras's binary radix tree (HPG 2012) in the place of clusters, without the treelets (Karras, Aila, HPG
+//! 2013) that would give it a quality like theirs. shaders/bvh/radix_tree.wgsl says how its boxes come about. Codes have 30 bits and
+//! places 32, so it is no deeper than 62.
 //!
 //! The preset `published` searches 8 neighbours on each side in every iteration, H-PLOC's advice, beyond which hierarchies
 //! hardly get better; `improved` searches 2 in the first two iterations, as obvhs's search depth threshold does.
