@@ -1,11 +1,18 @@
 //! The registration of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
 use super::expectation::{OF_ONE_VIEW, fails, few};
-use super::{Column, Family, Registration, Rule, Shrink, Touch};
+use super::table::{Values, improved, published, switches};
+use super::{Column, Family, Matters, Registration, Rule, Shrink, Table, Touch};
 
 pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS, OF_ONE_VIEW],
+    ablation: Some(&ABLATION),
     tune: Some("thickness"),
+    excluded_from_fronts: &["thickness_in"],
+    matters: &[
+        Matters { what: &["stride"], by: "march", values: &["pixels", "hi-z"] },
+        Matters { what: &["depth_clip", "from_behind"], by: "march", values: &["cells"] },
+    ],
     shrinks: &[
         Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
         Shrink { axis: "layers", steps: &["4", "3", "2", "1"] },
@@ -15,6 +22,33 @@ pub(crate) const REGISTRATION: Registration = Registration {
         Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?))
     })
 };
+
+const RELATIVE: Values = &[("thickness_in", "depth"), ("thickness", "0.02")];
+const ABSOLUTE: Values = &[("thickness_in", "diagonals"), ("thickness", "0.005")];
+
+/// Each switch alone; then the improved form, and its switches taken back one by one.
+const ABLATION: Table = switches(
+    "screen-dda-ablation",
+    "the switches between screen-dda as published and as engines have it: builds, traces, bytes, accuracy, counters",
+    "stereo,diffuse",
+    &[
+        published(&[]),
+        published(&[("march", "hi-z")]),
+        published(&[("march", "cells")]),
+        published(&[("march", "cells"), ("depth_clip", "on")]),
+        published(&[("hit_point", "depth")]),
+        published(RELATIVE),
+        published(&[("march", "cells"), ("from_behind", "pass")]),
+        improved(&[]),
+        improved(&[("march", "pixels")]),
+        improved(&[("march", "hi-z")]),
+        improved(&[("depth_clip", "off")]),
+        improved(&[("hit_point", "step")]),
+        improved(ABSOLUTE),
+        improved(&[("from_behind", "hit")]),
+        improved(&[("layers", "2")]),
+    ],
+);
 
 const BEHIND: &str = "one depth a pixel: what lies behind the first surface is not stored, and rays that start behind \
                       one meet its assumed thickness or nothing";
