@@ -2,10 +2,11 @@
 
 use super::expectation::{OF_ONE_VIEW, fails, few, of_huge_triangles};
 use super::table::{improved, published, switches};
-use super::{Column, Family, Matters, Registration, Rule, Shrink, Table, Touch};
+use super::{Column, Family, Improved, Matters, Registration, Rule, Shrink, Table, Touch};
 
 pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS, OF_ONE_VIEW],
+    improved: Some(Improved { otherwise: None, expectations: &[IMPROVED_EXPECTATIONS, EXPECTATIONS, OF_ONE_VIEW] }),
     ablation: Some(&ABLATION),
     tune: Some("start_bias"),
     matters: &[Matters { what: &["refinement"], by: "search", values: &["halvings"] }],
@@ -65,4 +66,12 @@ const EXPECTATIONS: Column = &[
     ("thin-walls", few(Rule::HitMiss, "a wall is solid as far as the view reaches, however thin it is")),
     ("foreground-in-cell", few(Rule::HitMiss, OPENED)),
     ("long-rays", few(Rule::HitMiss, NO_BUDGET)),
+];
+
+const AT_ONCE: &str = "a hit is placed where the ray is as deep as the top of its pixel: nothing is halved";
+
+/// Of the improved form, which does not halve.
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("huge-triangle", of_huge_triangles(&few(Rule::Footprint, AT_ONCE))),
+    ("depth-range", few(Rule::Footprint, AT_ONCE)),
 ];

@@ -2,10 +2,11 @@
 
 use super::expectation::{OF_ONE_VIEW, fails, few};
 use super::table::{Values, improved, published, switches};
-use super::{Column, Family, Matters, Registration, Rule, Shrink, Table, Touch};
+use super::{Column, Family, Improved, Matters, Registration, Rule, Shrink, Table, Touch};
 
 pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS, OF_ONE_VIEW],
+    improved: Some(Improved { otherwise: None, expectations: &[IMPROVED_EXPECTATIONS, EXPECTATIONS, OF_ONE_VIEW] }),
     ablation: Some(&ABLATION),
     tune: Some("thickness"),
     excluded_from_fronts: &["thickness_in"],
@@ -84,4 +85,17 @@ const EXPECTATIONS: Column = &[
     ("towards-camera", fails(Rule::Footprint, FROM_BEHIND, STEP_SOURCE)),
     ("foreground-in-cell", few(Rule::HitMiss, BESIDE)),
     ("long-rays", fails(Rule::HitMiss, BUDGET, BUDGET_SOURCE)),
+];
+
+const PASSES: &str = "a ray must come to a surface from before: one that starts behind what its own pixel shows, or comes out from behind it, passes, \
+                      also the surface of which a pixel has one depth for all of its slant";
+const OF_DEPTH: &str =
+    "thickness is a share of the depth: what starts a thousandth of the diagonal off is told from what it leaves";
+const IN_CELLS: &str = "its budget of steps is of cells, and cells without anything in the way are crossed at once";
+
+/// Of the improved form: cells in the place of samples, thickness by depth, no hits from behind.
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("edge-on behind-foreground", fails(Rule::HitMiss, PASSES, LAYERS_SOURCE)),
+    ("secondary-depth-ratio", few(Rule::Footprint, OF_DEPTH)),
+    ("long-rays", few(Rule::HitMiss, IN_CELLS)),
 ];
