@@ -156,8 +156,7 @@ impl Shape {
             growth: self.growth as f32,
             normals_of_geometry: self.normals as u32,
             inverse_far: (1.0 / far) as f32,
-            is_joined: u32::from(self.is_joined),
-            padding: 0,
+            padding: [0; 2],
             level_offsets,
         }
     }
