@@ -311,7 +311,7 @@ mod tests {
         for (name, hash) in &now {
             assert_eq!(crate::machine::fingerprint(name), Some(hash.as_str()), "{name}");
         }
-        let hierarchies = "bvh_cpu bvh_gpu lbvh_gpu ray_query";
+        let hierarchies = "bvh_cpu bvh_gpu ploc_gpu ray_query";
         let all: Vec<&str> = now.keys().map(String::as_str).collect();
         let tracers = all.iter().copied().filter(|name| *name != "controls").collect::<Vec<_>>().join(" ");
         for (file, from, to, stale) in [

@@ -7,7 +7,7 @@ pub use crate::registrations::{Device, Family, Registration};
 pub const TRACERS: &[Registration] = &[
     registrations::bvh_cpu::REGISTRATION,
     registrations::bvh_gpu::REGISTRATION,
-    registrations::lbvh_gpu::REGISTRATION,
+    registrations::ploc_gpu::REGISTRATION,
     registrations::ray_query::REGISTRATION,
     registrations::dirt::REGISTRATION,
     registrations::fragment_abuffer::REGISTRATION,

@@ -21,6 +21,15 @@ struct BinaryNode {
     count: u32,
 }
 
+struct Box {
+    low: vec3<f32>,
+    high: vec3<f32>,
+}
+
+fn both(a: Box, b: Box) -> Box {
+    return Box(min(a.low, b.low), max(a.high, b.high));
+}
+
 // As in cwbvh.wgsl.
 struct WideNode {
     origin: vec3<f32>,
@@ -60,9 +69,12 @@ fn height(count: u32) -> u32 {
     return (count >> 8u) & 0xffu;
 }
 
+fn inner_of(height: u32, triangles: u32) -> u32 {
+    return INNER_BIT | (height << 8u) | min(triangles, MANY);
+}
+
 fn parent_of(a: u32, b: u32) -> u32 {
-    let triangles = min(triangles_below(a) + triangles_below(b), MANY);
-    return INNER_BIT | ((max(height(a), height(b)) + 1u) << 8u) | triangles;
+    return inner_of(max(height(a), height(b)) + 1u, triangles_below(a) + triangles_below(b));
 }
 
 fn half_area(low: vec3<f32>, high: vec3<f32>) -> f32 {

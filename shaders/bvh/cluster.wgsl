@@ -9,8 +9,8 @@
 // that, so that the depth has one. The last clusters are merged by one workgroup (`finish`).
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::bvh_build::{BinaryNode, FINISHED, height, is_inner, parent_of}
-#import tracebench::bvh_nearest::{Box, four_of, compare}
+#import tracebench::bvh_build::{BinaryNode, Box, FINISHED, height, is_inner, parent_of}
+#import tracebench::bvh_nearest::{four_of, compare}
 
 struct Iteration {
     // Its number; of `finish` the number of iterations before.

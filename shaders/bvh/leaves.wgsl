@@ -1,7 +1,7 @@
 // From the scene's triangles to leaves along a Morton curve, and to triangles in the order of leaves.
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::bvh_build::{BuildSettings, BinaryNode, CROWDED, LEVELS}
+#import tracebench::bvh_build::{BuildSettings, BinaryNode, Box, CROWDED, LEVELS}
 #import tracebench::bvh_triangle::Triangle
 
 @group(0) @binding(0) var<uniform> settings: BuildSettings;
@@ -24,11 +24,6 @@ const INSIDE_OUT: f32 = 131072.0;
 fn corner(triangle: u32, which: u32) -> vec3<f32> {
     let vertex = indices[3u * triangle + which];
     return vec3<f32>(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]) * settings.scale;
-}
-
-struct Box {
-    low: vec3<f32>,
-    high: vec3<f32>,
 }
 
 fn box_of(triangle: u32) -> Box {

@@ -1,5 +1,7 @@
 #define_import_path tracebench::bvh_nearest
 
+#import tracebench::bvh_build::Box
+
 // Nearest neighbours of four clusters in a row, sought at once: a neighbour that is loaded is compared with all four. Reads
 // at unrelated places are what searches take longest for, and clusters in a row have most neighbours in common.
 
@@ -15,11 +17,6 @@ struct Four {
     nearest: vec4<u32>,
     // What merging with these costs.
     least: vec4<f32>,
-}
-
-struct Box {
-    low: vec3<f32>,
-    high: vec3<f32>,
 }
 
 fn four_of(first: u32, a: Box, b: Box, c: Box, d: Box) -> Four {

@@ -2,18 +2,13 @@
 // the leaves up.
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::bvh_build::{BinaryNode, WideNode, FINISHED, LEVELS, is_inner, grid_of, enter_box}
+#import tracebench::bvh_build::{BinaryNode, WideNode, Box, FINISHED, LEVELS, both, is_inner, grid_of, enter_box}
 #import tracebench::bvh_triangle::Triangle
 
 struct Stage {
     // Of iterations from the first one on, of levels from the root's on.
     index: u32,
     triangle_count: u32,
-}
-
-struct Box {
-    low: vec3<f32>,
-    high: vec3<f32>,
 }
 
 @group(0) @binding(0) var<uniform> stage: Stage;
@@ -35,10 +30,6 @@ fn box_of_triangle(slot: u32) -> Box {
         min(min(triangle.first, triangle.second), triangle.third),
         max(max(triangle.first, triangle.second), triangle.third),
     );
-}
-
-fn both(a: Box, b: Box) -> Box {
-    return Box(min(a.low, b.low), max(a.high, b.high));
 }
 
 #ifdef WIDE

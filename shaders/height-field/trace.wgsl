@@ -1,14 +1,15 @@
 // A depth buffer as a height field under rays: Tevs, Ihrke and Seidel, "Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic
 // Height Field Rendering", I3D 2008, in its iterative form without bilinear patches, as WKP15 (section 5.1) measured it. A ray goes
 // down and up a pyramid over the depths. In a cell whose nearest depth it does not reach there is nothing; a pixel is a column whose
-// top is its stored depth, and all behind that is solid. Where a ray comes behind a top within a pixel is found by halving.
+// top is its stored depth, and all behind that is solid. Where a ray comes behind a top within a pixel is found by halving, or, as the top
+// is level, at once.
 //
 // MIN_MAX: cells bound the farthest depth, too: a ray that enters one behind that is in solid wherever it is in it.
 
 #import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS}
 #import tracebench::view::View
-#import tracebench::image_walk::{EyeRay, Span, eye_ray_of, span_in_view, image_direction}
+#import tracebench::image_walk::{EyeRay, Span, cut, eye_ray_of, span_in_view, image_direction}
 #import tracebench::image_line::{image_line, place_after, depth_on, t_on}
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
 #import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
@@ -24,9 +25,11 @@ struct HeightSettings {
     row_words: u32,
     // Pixels along the major axis.
     start_bias: f32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // 1: hits are placed where the ray is as deep as the top.
+    closed: u32,
+    // 1: rays are cut before the nearest depth.
+    depth_clip: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -59,6 +62,9 @@ fn stored_depth(pixel: vec2<i32>) -> f32 {
 #endif
 }
 
+// Share of depths by which rays are cut off before the nearest one.
+const CLIP_SLACK: f32 = 4e-6;
+
 // Near and far of a cell; of a pixel both are its depth. Without MIN_MAX a cell has no far.
 fn bounds_of(level: u32, pixel: vec2<i32>) -> vec2<f32> {
     if (level == 0u) {
@@ -85,6 +91,9 @@ fn eye_depth(ray: EyeRay, t: f32) -> f32 {
 
 // Where within a part, which begins before a depth and ends behind it, the ray comes behind it.
 fn crossing(ray: EyeRay, part: Span, depth: f32) -> f32 {
+    if (settings.closed == 1u) {
+        return clamp((depth - ray.origin.z) / ray.direction.z, part.begin, part.end);
+    }
     var before = part.begin;
     var behind = part.end;
     for (var halving = 0u; halving < settings.refinement; halving++) {
@@ -100,7 +109,7 @@ fn crossing(ray: EyeRay, part: Span, depth: f32) -> f32 {
 
 fn search(ray: Ray) -> Answer {
     let eye_ray = eye_ray_of(view, ray);
-    let whole = span_in_view(view, eye_ray, Span(ray.t_min, ray.t_max), 1.0);
+    var whole = span_in_view(view, eye_ray, Span(ray.t_min, ray.t_max), 1.0);
     var work = vec2<u32>(0u);
     if (!(whole.begin < whole.end)) {
         return Answer(miss(STATUS_LEFT_VIEWS), work, vec2<i32>(0));
@@ -116,9 +125,19 @@ fn search(ray: Ray) -> Answer {
         }
         t = clamp(t_on(line, first, depth_on(line, first)), whole.begin, whole.end);
     }
+    let top = pyramid.levels - 1u;
+    if (settings.depth_clip == 1u) {
+        // Nothing lies before it; by so much rounding may move depths of the ray.
+        let nearest = bounds_of(top, vec2<i32>(0)).x;
+        let slack = CLIP_SLACK * (nearest + abs(eye_ray.origin.z));
+        whole = cut(Span(t, whole.end), eye_ray.origin.z - (nearest - slack), eye_ray.direction.z);
+        if (whole.begin > whole.end) {
+            return Answer(nothing, work, vec2<i32>(0));
+        }
+        t = whole.begin;
+    }
     let last_pixel = vec2<i32>(view.size) - 1;
     let heading = image_direction(eye_ray);
-    let top = pyramid.levels - 1u;
     var pixel = pixel_at(view, eye_ray, t, last_pixel);
     var level = top;
     loop {

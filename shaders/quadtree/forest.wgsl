@@ -42,7 +42,9 @@ struct Forest {
     // 1: normals are the triangles', 0: those of the depths round a pixel.
     normals_of_geometry: u32,
     inverse_far: f32,
-    padding: vec2<u32>,
+    // 1: pixels' planes end at those beside them.
+    is_joined: u32,
+    padding: u32,
     // First node of each level in an image, four a vector.
     level_offsets: array<vec4<u32>, 4>,
 }

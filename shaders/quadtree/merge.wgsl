@@ -4,8 +4,8 @@
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::level_size
 #import tracebench::quadtree_forest::{Forest, node_index}
-#import tracebench::quadtree_node::{NOTHING, is_plane, plane_of, range_of, box_of, box_words, z_on}
-#import tracebench::quadtree_patches::{SIDES, step_across, ends_at}
+#import tracebench::quadtree_node::{NOTHING, SIDES, end_of, is_plane, plane_of, range_of, box_of, box_words, z_on}
+#import tracebench::quadtree_patches::step_across
 #import tracebench::quadtree_proxy::merged
 
 @group(0) @binding(0) var<uniform> forest: Forest;
@@ -13,33 +13,15 @@
 @group(0) @binding(1) var<uniform> made: vec4<u32>;
 @group(0) @binding(2) var<storage, read_write> nodes: array<vec2<u32>>;
 
-// Whether planes of pixels are joined.
-override JOINED: bool;
-
 const WORKGROUP_SIZE: u32 = 64u;
 
-// The least z of what is joined in a pixel: there a plane may end at one beside it that goes farther than itself.
-fn min_joined(image: u32, pixel: vec2<u32>, words: vec2<u32>) -> f32 {
-    let size = vec2<f32>(forest.size);
-    let plane = plane_of(words, size);
-    var least = range_of(plane, 0.5).x;
-    for (var side = 0u; side < SIDES; side++) {
-        let step = step_across(side);
-        let beside = vec2<i32>(pixel) + step;
-        if (any(beside < vec2<i32>(0)) || any(beside >= vec2<i32>(forest.size))) {
-            continue;
-        }
-        let words_beside = nodes[node_index(forest, image, 0u, vec2<u32>(beside))];
-        if (!is_plane(words_beside)) {
-            continue;
-        }
-        var neighbour = plane_of(words_beside, size);
-        if (ends_at(plane, neighbour, vec2<f32>(step))) {
-            neighbour.z = z_on(neighbour, -vec2<f32>(step));
-            least = min(least, range_of(neighbour, 0.5).x);
-        }
-    }
-    return least;
+// The least z of what is joined in a pixel: there a plane ends at one beside it that goes farther than itself.
+fn min_joined(image: u32, pixel: vec2<u32>, side: u32) -> f32 {
+    let step = step_across(side);
+    let beside = nodes[node_index(forest, image, 0u, vec2<u32>(vec2<i32>(pixel) + step))];
+    var neighbour = plane_of(beside, vec2<f32>(forest.size));
+    neighbour.z = z_on(neighbour, -vec2<f32>(step));
+    return range_of(neighbour, 0.5).x;
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -64,13 +46,14 @@ fn merge(invocation: Invocation) {
         }
     }
     // What may end at a plane beside it stays a pixel: boxes above a plane of several would not know how far those beside them go.
-    var words = merged(forest, children, there, level - 1u, JOINED);
-    if (JOINED && level == 1u && !is_plane(words)) {
+    var words = merged(forest, children, there, level - 1u);
+    if (level == 1u && !is_plane(words)) {
         var box = box_of(words);
         for (var child = 0u; child < 4u; child++) {
-            if (is_plane(children[child]) && plane_of(children[child], vec2<f32>(forest.size)).flagged) {
+            let side = end_of(children[child]);
+            if (side < SIDES) {
                 let pixel = 2u * cell + vec2<u32>(child & 1u, child >> 1u);
-                box.least = min(box.least, min_joined(image, pixel, children[child]));
+                box.least = min(box.least, min_joined(image, pixel, side));
             }
         }
         // Of a box without anything that is shown nothing changed.

@@ -4,12 +4,16 @@
 // boxes, 0. A plane has its z at the node's middle and two components of its normal in half precision; a box has least and greatest z.
 // The paper adds the flag of discontinuity to z (P + O), which costs z bits. No z exceeds 1, so that bit 30 of such a float is always
 // 0: here the flag stands in that bit of the first word. In the same place of a box's second word its sign bit says that pixels in it
-// show nothing.
+// show nothing. No component of a normal exceeds 1, so that bit 14 of such a half is always 0: both and the flag's bit are the mark of a
+// plane, 0, 1 where it is flagged, or FIRST_END and the number of the side across which a flagged pixel's plane ends at the neighbour's.
 
 const PLANE_BIT: u32 = 0x80000000u;
 const FLAG_BIT: u32 = 0x40000000u;
 const HOLES_BIT: u32 = 0x80000000u;
 const FLOAT_BITS: u32 = 0x3fffffffu;
+const NORMAL_BITS: u32 = 0xbfffbfffu;
+const FIRST_END: u32 = 2u;
+const SIDES: u32 = 4u;
 
 // Steeper planes than so many cube heights a cube width have no normal that half precision tells from one along the image.
 const STEEPEST: f32 = 30.0;
@@ -53,9 +57,24 @@ fn normal_words(normal: vec3<f32>) -> u32 {
 }
 
 fn normal_of_words(word: u32) -> vec3<f32> {
-    let across = unpack2x16float(word);
+    let across = unpack2x16float(word & NORMAL_BITS);
     // What STEEPEST lets through leaves more than this.
     return vec3<f32>(across, sqrt(max(1.0 - dot(across, across), 5e-4)));
+}
+
+fn mark_of(words: vec2<u32>) -> u32 {
+    return ((words.x >> 30u) & 1u) | ((words.y >> 13u) & 2u) | ((words.y >> 28u) & 4u);
+}
+
+// The side across which a plane ends at the neighbour's, SIDES for none, and a pixel's words with one.
+fn end_of(words: vec2<u32>) -> u32 {
+    let mark = mark_of(words);
+    return select(SIDES, mark - FIRST_END, is_plane(words) && mark >= FIRST_END);
+}
+
+fn with_end(words: vec2<u32>, side: u32) -> vec2<u32> {
+    let mark = FIRST_END + side;
+    return vec2<u32>((words.x & ~FLAG_BIT) | ((mark & 1u) << 30u), words.y | ((mark & 2u) << 13u) | ((mark & 4u) << 28u));
 }
 
 fn slope_of_normal(normal: vec3<f32>) -> vec2<f32> {
@@ -65,7 +84,7 @@ fn slope_of_normal(normal: vec3<f32>) -> vec2<f32> {
 // Of an image of this size, in pixels.
 fn plane_of(words: vec2<u32>, size: vec2<f32>) -> Plane {
     let slope = slope_of_normal(normal_of_words(words.y)) / size;
-    return Plane(bitcast<f32>(words.x & FLOAT_BITS), slope, (words.x & FLAG_BIT) != 0u);
+    return Plane(bitcast<f32>(words.x & FLOAT_BITS), slope, mark_of(words) != 0u);
 }
 
 // A plane whose z at its node's middle lies in [0, 1]. Its normal is given as stored.

@@ -3,7 +3,7 @@
 // What stands for four nodes: a plane where one approximates them well enough, else the box round them (WKP15, section 3.3).
 
 #import tracebench::quadtree_forest::{Forest, DILATE_NONE, DILATE_CONTINUOUS, DILATE_FLAGGED, depth_of_z, z_of_pixels}
-#import tracebench::quadtree_node::{Plane, Box, is_plane, is_empty, plane_of, plane_words, normal_words, normal_of_words, slope_of_normal, box_of, box_words, range_of}
+#import tracebench::quadtree_node::{Plane, Box, SIDES, end_of, is_plane, is_empty, plane_of, plane_words, normal_words, normal_of_words, slope_of_normal, box_of, box_words, range_of}
 
 // The middle of the child `child` of a node, from that of the node, in pixels; `edge` is the child's.
 fn from_middle_of(child: u32, edge: f32) -> vec2<f32> {
@@ -72,11 +72,12 @@ fn proxy_of(forest: Forest, children: array<vec2<u32>, 4>, there: u32, edge: f32
     return Proxy(z, stored, fits);
 }
 
-// The node over children of a level; bit i of `there` says that child i exists. Flagged planes are merged with others, or kept as they are.
-fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32, keeps_flagged: bool) -> vec2<u32> {
+// The node over children of a level; bit i of `there` says that child i exists. Planes that end at others are kept as they are.
+fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32) -> vec2<u32> {
     let edge = f32(1u << level);
     var planes = 0u;
     var flagged = false;
+    var ends = false;
     var box = Box(1.0, 0.0, false);
     for (var child = 0u; child < 4u; child++) {
         if ((there & (1u << child)) == 0u) {
@@ -90,6 +91,7 @@ fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32,
             box.greatest = max(box.greatest, range.y);
             planes |= 1u << child;
             flagged = flagged || plane.flagged;
+            ends = ends || end_of(words) < SIDES;
         } else {
             let other = box_of(words);
             box.holes = box.holes || other.holes;
@@ -99,7 +101,7 @@ fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32,
             }
         }
     }
-    if (planes == there && !(flagged && keeps_flagged)) {
+    if (planes == there && !ends) {
         let proxy = proxy_of(forest, children, there, edge);
         if (proxy.fits) {
             return plane_words(proxy.z, proxy.normal, flagged);

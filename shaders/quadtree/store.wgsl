@@ -32,7 +32,9 @@ struct QuadtreeSettings {
     inverse_sigma: f32,
     // Words of bits a node.
     touched_words: u32,
-    padding: vec2<u32>,
+    // 1: walks begin below the last ancestor of a ray's both ends, 0: at the roots.
+    from_ancestor: u32,
+    padding: u32,
 }
 
 struct TreeView {

@@ -81,6 +81,15 @@ fn crossing(first: f32, second: f32, at_first: f32, at_second: f32) -> f32 {
     return first * (1.0 - share) + second * share;
 }
 
+// The places between two at which the ray, behind two planes by so much at both, passes each; NOWHERE for one that it does not pass.
+fn crossings(first: f32, second: f32, at_first: vec2<f32>, at_second: vec2<f32>) -> vec2<f32> {
+    let places = vec2<f32>(
+        crossing(first, second, at_first.x, at_second.x), crossing(first, second, at_first.y, at_second.y),
+    );
+    let passes = (at_first > vec2<f32>(0.0)) != (at_second > vec2<f32>(0.0));
+    return select(vec2<f32>(NOWHERE), places, passes);
+}
+
 // Rays may run along a border between cells, where what a place is rounded to in pixels says nothing of which side they are on. Which
 // cell a ray is in is told by the places at which it crosses borders, and by nothing else.
 

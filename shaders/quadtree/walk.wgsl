@@ -5,12 +5,12 @@
 // last ancestor that both have in common.
 
 #import tracebench::quadtree_forest::{DILATE_NONE, levels_apart, z_of_pixels}
-#import tracebench::quadtree_node::{Plane, is_plane, is_empty, plane_of, box_of, z_on}
+#import tracebench::quadtree_node::{Plane, SIDES, end_of, is_plane, is_empty, plane_of, box_of, z_on}
 #import tracebench::quadtree_proxy::is_dilated
-#import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, cell_at, child_at, successor}
+#import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, crossings, cell_at, child_at, successor}
 #import tracebench::lanes::open
 #import tracebench::quadtree_store::{forest, search, capped, steps, work, visit, pixel_node, neighbour_node, is_joined}
-#import tracebench::quadtree_patches::{SIDES, Patch, Passage, pass_patch, step_across, ends_at}
+#import tracebench::quadtree_patches::step_across
 
 // Whether nodes on the way down are kept on a stack.
 override STACK: bool;
@@ -104,107 +104,90 @@ fn pass_volume(image: u32, place: f32) {
     found.inpainted = true;
 }
 
-// Tests a plane on the ray's way through its node. What is found does not hang on how the walk came there.
-fn test_plane(image: u32, words: vec2<u32>, bounds: Bounds) {
-    let plane = plane_of(words, vec2<f32>(forest.size));
+// A node's plane with the one beside it at which it ends, else itself, each with its middle. What is shown lies behind both.
+struct Pair {
+    own: Plane,
+    middle: vec2<f32>,
+    other: Plane,
+    other_middle: vec2<f32>,
+}
+
+fn both_behind(pair: Pair, place: f32) -> vec2<f32> {
+    return vec2<f32>(behind_by(pair.own, pair.middle, place), behind_by(pair.other, pair.other_middle, place));
+}
+
+fn take_of(pair: Pair, is_other: bool, place: f32, bounds: Bounds) {
+    if (is_other) {
+        let beside = pair.other_middle - pair.middle;
+        take(place, pair.other, pair.other_middle, Bounds(bounds.low + beside, bounds.high + beside));
+    } else {
+        take(place, pair.own, pair.middle, bounds);
+    }
+}
+
+// Tests a plane, and one at which it ends, on the ray's way through its node. What is found does not hang on how the walk came there.
+fn test_plane(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
+    let size = vec2<f32>(forest.size);
+    let own = plane_of(words, size);
     let middle = 0.5 * (bounds.low + bounds.high);
+    var pair = Pair(own, middle, own, middle);
+    var ends = false;
+    if (is_joined()) {
+        let side = end_of(words);
+        ends = side < SIDES;
+        if (ends) {
+            let step = step_across(side);
+            pair.other = plane_of(neighbour_node(image, cell + step), size);
+            pair.other_middle = middle + vec2<f32>(step);
+        }
+    }
     let entry = min(enters_at(track, bounds, begin), end);
     let leaves = leaves_at(track, bounds, entry);
     let exit = min(min(leaves.x, leaves.y), end);
-    let at_entry = behind_by(plane, middle, entry);
-    let at_exit = behind_by(plane, middle, exit);
+    let entries = both_behind(pair, entry);
+    let exits = both_behind(pair, exit);
+    let at_entry = min(entries.x, entries.y);
+    let at_exit = min(exits.x, exits.y);
     let tolerance = tolerance_at(entry);
     let was_before = entry <= before_until + places_of(track, SIDE_SLACK);
     before_until = select(NOT_BEFORE, exit, (at_exit <= 0.0 && at_exit >= -tolerance_at(exit)));
     var part = vec2<f32>(entry, exit);
-    if (is_dilated(forest, plane.flagged)) {
+    if (is_dilated(forest, own.flagged) && !ends) {
         part = part_near(track, forest.dilation, part, begin, end);
     }
-    if (at_entry <= 0.0) {
-        let at_end = behind_by(plane, middle, part.y);
-        if (at_end > 0.0) {
-            take(crossing(entry, part.y, at_entry, at_end), plane, middle, bounds);
-        } else if (found.volume < entry && at_entry >= -tolerance) {
-            // Out of a volume, through a crack.
-            let at_begin = behind_by(plane, middle, part.x);
-            if (at_begin > 0.0) {
-                take(crossing(part.x, entry, at_begin, at_entry), plane, middle, bounds);
-            }
+    let at_begin = select(behind_by(own, middle, part.x), at_entry, ends);
+    if (at_entry > 0.0 && at_entry <= tolerance) {
+        // Not surely behind: through a crack, on the surface that the ray starts on, or on the way out of a volume.
+        if (at_begin <= 0.0) {
+            take_of(pair, false, crossing(part.x, entry, at_begin, at_entry), bounds);
+        } else if (was_before && at_exit > at_entry) {
+            take_of(pair, entries.y < entries.x, entry, bounds);
+        } else if (found.volume < entry && at_exit < 0.0) {
+            let out = crossings(entry, exit, entries, exits);
+            take_of(pair, out.y < out.x, min(out.x, out.y), bounds);
         }
         return;
     }
-    if (at_entry <= tolerance) {
-        // Not surely behind: through a crack, on the surface that the ray starts on, or on the way out of a volume.
-        let at_begin = behind_by(plane, middle, part.x);
-        if (at_begin <= 0.0) {
-            take(crossing(part.x, entry, at_begin, at_entry), plane, middle, bounds);
-        } else if (was_before && at_exit > at_entry) {
-            take(entry, plane, middle, bounds);
-        } else if (found.volume < entry && at_exit < 0.0) {
-            take(crossing(entry, exit, at_entry, at_exit), plane, middle, bounds);
+    let lasts = select(vec2<f32>(behind_by(own, middle, part.y)), exits, vec2<bool>(ends));
+    let met = crossings(entry, part.y, entries, lasts);
+    if (at_entry <= 0.0) {
+        // Behind both from the later of where it gets behind either on, if it is before neither again by then.
+        let inside = entries > vec2<f32>(0.0);
+        let enters = select(met, vec2<f32>(-1.0), inside);
+        let out = select(vec2<f32>(NOWHERE), met, inside);
+        let place = max(enters.x, enters.y);
+        if (place < min(out.x, out.y)) {
+            take_of(pair, enters.y > enters.x, place, bounds);
+        } else if (!ends && found.volume < entry && at_entry >= -tolerance && at_begin > 0.0) {
+            // Out of a volume, through a crack.
+            take_of(pair, false, crossing(part.x, entry, at_begin, at_entry), bounds);
         }
         return;
     }
     pass_volume(image, entry);
     // Out of the volume, through the plane from behind.
-    let at_end = behind_by(plane, middle, part.y);
-    if (!found.stopped && at_end < 0.0) {
-        take(crossing(entry, part.y, at_entry, at_end), plane, middle, bounds);
-    }
-}
-
-// What a passage is with one plane more.
-fn pass_by(passage: Passage, passed: Patch, entry: f32, exit: f32) -> Passage {
-    let at_entry = behind_by(passed.plane, passed.middle, entry);
-    return pass_patch(passage, passed, vec2<f32>(entry, exit), vec2<f32>(at_entry, behind_by(passed.plane, passed.middle, exit)));
-}
-
-fn take_patch(place: f32, hit: Patch) {
-    take(place, hit.plane, hit.middle, Bounds(hit.middle - 0.5, hit.middle + 0.5));
-}
-
-// Tests a pixel's plane and those beside it at which it ends.
-fn test_joined(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
-    let size = vec2<f32>(forest.size);
-    let own = Patch(plane_of(words, size), 0.5 * (bounds.low + bounds.high));
-    let entry = min(enters_at(track, bounds, begin), end);
-    let sides = leaves_at(track, bounds, entry);
-    let exit = min(min(sides.x, sides.y), end);
-    var passage = pass_by(Passage(1e30, 1e30, -1.0, NOWHERE, own, own, own), own, entry, exit);
-    let was_before = entry <= before_until + places_of(track, SIDE_SLACK);
-    if (max(passage.at_entry, passage.at_exit) > 0.0) {
-        // Else the ray is before what lies behind all.
-        for (var side = 0u; side < SIDES; side++) {
-            let step = step_across(side);
-            let beside = neighbour_node(image, cell + step);
-            if (!is_plane(beside)) {
-                continue;
-            }
-            let neighbour = plane_of(beside, size);
-            if (ends_at(own.plane, neighbour, vec2<f32>(step))) {
-                passage = pass_by(passage, Patch(neighbour, own.middle + vec2<f32>(step)), entry, exit);
-            }
-        }
-    }
-    before_until = select(NOT_BEFORE, exit, (passage.at_exit <= 0.0 && passage.at_exit >= -tolerance_at(exit)));
-    if (passage.at_entry <= 0.0) {
-        if (passage.enters < passage.leaves) {
-            take_patch(passage.enters, passage.entered);
-        }
-        return;
-    }
-    if (passage.at_entry <= tolerance_at(entry)) {
-        // Not surely behind, as of a plane alone.
-        if (was_before && passage.at_exit > passage.at_entry) {
-            take_patch(entry, passage.foremost);
-        } else if (found.volume < entry && passage.at_exit < 0.0) {
-            take_patch(passage.leaves, passage.left);
-        }
-        return;
-    }
-    pass_volume(image, entry);
-    if (!found.stopped && passage.at_exit < 0.0) {
-        take_patch(passage.leaves, passage.left);
+    if (!found.stopped && min(lasts.x, lasts.y) < 0.0) {
+        take_of(pair, met.y < met.x, min(met.x, met.y), bounds);
     }
 }
 
@@ -260,11 +243,17 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
     let whole = Bounds(vec2<f32>(0.0), vec2<f32>(forest.size));
     inside_from = min(enters_at(track, whole, first), end);
     let out = leaves_at(track, whole, inside_from);
-    let outside_from = min(min(out.x, out.y), end);
+    var outside_from = min(min(out.x, out.y), end);
     let last = vec2<i32>(forest.size) - 1;
     var place = inside_from;
     var level = forest.top;
-    var cell = cell_at(track, place, level, last >> vec2<u32>(level));
+    var cell = cell_at(track, place, 0u, last);
+    if (search.from_ancestor == 1u) {
+        // The child of the last ancestor that the ray's both ends have in common.
+        let other = cell_at(track, outside_from, 0u, last);
+        level = min(select(levels_apart(vec2<u32>(cell), vec2<u32>(other)), 0u, all(cell == other)), level);
+    }
+    cell = cell >> vec2<u32>(level);
     // The cells of all levels on the way down to where the walk is, if they are kept.
     var path = array<vec2<i32>, 16>();
     open += 1u;
@@ -289,12 +278,7 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
 #ifdef COUNTERS
                 work[1] += 1u;
 #endif
-                // Above pixels no plane is flagged.
-                if (is_joined() && plane_of(words, vec2<f32>(forest.size)).flagged) {
-                    test_joined(image, words, cell, bounds);
-                } else {
-                    test_plane(image, words, bounds);
-                }
+                test_plane(image, words, cell, bounds);
             } else {
 #ifdef COUNTERS
                 work[2] += 1u;
@@ -305,16 +289,20 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
                 }
             }
         }
-        if (found.place <= end || found.stopped) {
-            open -= 1u;
-            break;
-        }
         if (down <= end && level > 0u) {
             place = max(place, down);
             cell = child_at(track, place, cell, level, last >> vec2<u32>(level - 1u));
             level -= 1u;
             continue;
         }
+        // Beyond its node a plane is met where another one may lie before it, near a discontinuity.
+        let is_beyond = found.place > exit && found.plane.flagged;
+        if (found.stopped || (found.place <= end && !is_beyond)) {
+            open -= 1u;
+            break;
+        }
+        end = min(end, found.place);
+        outside_from = min(outside_from, end);
         if (exit >= outside_from) {
             open -= 1u;
             break;

@@ -5,12 +5,14 @@
 // (Uludag, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5, 2014). A skip is of samples that lie surely in one cell and all
 // before or all behind what the cell bounds, so that what is answered is the same bit for bit. Which cell a sample on a border lies in
 // is told by the pixel that it reads; of a ray along a border the cells on both sides are asked.
+// CELLS: not samples but all pixels that the ray crosses, each for the part of the ray in it, by cells of the pyramid, whose first are the
+// pixels themselves: Uludag's march.
 
 #import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
 #import tracebench::view::{View, pixel_position}
-#import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
-#import tracebench::image_line::between
+#import tracebench::image_walk::{EyeRay, Span, cut, eye_ray_of, span_in_view}
+#import tracebench::image_line::{ImageLine, between, depth_on}
 #import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{word_0, pair_0}
 #import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
@@ -22,8 +24,9 @@ struct Settings {
     hit_point: u32,
     // Pixels along the major axis.
     stride: f32,
-    // Eye depth in scene units.
+    // Eye depth in scene units, and share of the stored depth; added.
     thickness: f32,
+    thickness_per_depth: f32,
     // Pixels along the major axis.
     start_bias: f32,
     rays_per_lane: u32,
@@ -34,7 +37,12 @@ struct Settings {
     layers: u32,
     // 1: as many images of backs follow.
     backs: u32,
-    padding: u32,
+    // 1: what is met from the side that the view does not see is no hit.
+    front_alone: u32,
+    // 1: rays are cut to the depths that are stored.
+    depth_clip: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -59,6 +67,8 @@ struct Settings {
 #ifdef HI_Z
 // Its cells are the array of pairs 0: near and far.
 @group(0) @binding(9) var<uniform> pyramid: PyramidLayout;
+
+override CELLS: bool;
 
 // Share by which depths at the ends of a run of samples may be off those of the samples between, by rounding: some ulps.
 const DEPTH_SLACK: f32 = 4e-6;
@@ -85,7 +95,12 @@ fn end_of(layer: u32, pixel: vec2<i32>, stored: f32) -> f32 {
             return back;
         }
     }
-    return stored + settings.thickness;
+    return thickened(stored);
+}
+
+// How deep a surface reaches where no back tells.
+fn thickened(stored: f32) -> f32 {
+    return stored + (settings.thickness + settings.thickness_per_depth * stored);
 }
 
 struct Answer {
@@ -174,8 +189,7 @@ fn samples_within(at: vec2<f32>, way: vec2<f32>, borders: vec4<f32>, ordered: ve
 
 // The level of the next cell: one up where the ray comes into another one of the level above, which it has not asked yet. It does not come
 // into those that it runs along.
-fn next_level(pixel: vec2<i32>, position: vec2<f32>, level: u32, ordered: vec2<bool>) -> u32 {
-    let next = pixel_of(position);
+fn next_level(pixel: vec2<i32>, next: vec2<i32>, level: u32, ordered: vec2<bool>) -> u32 {
     let above = vec2<u32>(level + 1u);
     let crosses = any(((pixel >> above) != (next >> above)) & ordered) && level + 1u < pyramid.levels;
     return select(level, level + 1u, crosses);
@@ -186,27 +200,248 @@ const MEETS: u32 = 0u;
 const ALL_BEFORE: u32 = 1u;
 const SOME_BEHIND: u32 = 2u;
 
+// The nearest depth that a cell has of a layer, and how deep the layer reaches there.
+fn bounds_of(layer: u32, level: u32, cell: vec2<u32>) -> vec2<f32> {
+    let bounds = bitcast<vec2<f32>>(pair_0(depth_cell(pyramid, layer, level, cell)));
+    var end = thickened(bounds.y);
+    if (DEEP && settings.backs == 1u) {
+        let back = bitcast<f32>(pair_0(depth_cell(pyramid, settings.layers + layer, level, cell)).y);
+        end = select(max(end, back), back, level == 0u && back > 0.0);
+    }
+    return vec2<f32>(bounds.x, end);
+}
+
 fn compare_to_cell(level: u32, cell: vec2<u32>, nearest: f32, farthest: f32) -> u32 {
     var found = ALL_BEFORE;
     var layer = 0u;
     loop {
-        let bounds = bitcast<vec2<f32>>(pair_0(depth_cell(pyramid, layer, level, cell)));
-        var end = bounds.y + settings.thickness;
-        if (DEEP && settings.backs == 1u) {
-            end = max(end, bitcast<f32>(pair_0(depth_cell(pyramid, settings.layers + layer, level, cell)).y));
+        let bounds = bounds_of(layer, level, cell);
+        // Before a layer is before all deeper ones.
+        if (farthest < bounds.x) {
+            break;
         }
-        if (!(farthest < bounds.x)) {
-            if (!(nearest > end)) {
-                return MEETS;
-            }
-            found = SOME_BEHIND;
+        if (!(nearest > bounds.y)) {
+            return MEETS;
         }
+        found = SOME_BEHIND;
         layer += 1u;
         if (!DEEP || layer >= settings.layers) {
             break;
         }
     }
     return found;
+}
+#endif
+
+// What a ray meets at a layer of a pixel.
+struct Met {
+    layer: u32,
+    stored: f32,
+    is_met: bool,
+    is_behind: bool,
+    is_before: bool,
+}
+
+const NOTHING_MET: Met = Met(0u, 0.0, false, false, false);
+
+fn meet(layer: u32, pixel: vec2<i32>, nearest: f32, farthest: f32) -> Met {
+    let stored = stored_depth(layer, pixel);
+    let is_before = !(farthest >= stored);
+    let reaches = end_of(layer, pixel, stored);
+    return Met(layer, stored, !is_before && nearest <= reaches, nearest > reaches, is_before);
+}
+
+// The hit with what is met between two places on the line; `s` is the place where it is told if not by depth.
+fn hit_of(ray: Ray, eye_ray: EyeRay, line: ImageLine, met: Met, low: f32, high: f32, s: f32, by_depth: bool) -> Hit {
+    let ts = line.ts_over_depth;
+    let k = line.inverse_depths;
+    let t_low = between(ts, low) / between(k, low);
+    let t_high = between(ts, high) / between(k, high);
+    var t = between(ts, s) / between(k, s);
+    if (by_depth && eye_ray.direction.z != 0.0) {
+        t = (met.stored - eye_ray.origin.z) / eye_ray.direction.z;
+    }
+    return Hit(clamp(clamp(t, t_low, t_high), ray.t_min, ray.t_max), NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT);
+}
+
+#ifdef HI_Z
+// Share of the nearest depth's inverse by which a line is cut farther off than what is stored, for rounding.
+const CLIP_SLACK: f32 = 4e-6;
+
+// The places between which a line lies at depths that any pixel has.
+fn clip_to_depths(line: ImageLine) -> Span {
+    var range = vec2<f32>(NO_SURFACE, 0.0);
+    for (var layer = 0u; layer < settings.layers; layer++) {
+        let bounds = bounds_of(layer, pyramid.levels - 1u, vec2<u32>(0u));
+        range = vec2<f32>(min(range.x, bounds.x), max(range.y, bounds.y));
+    }
+    let k = line.inverse_depths;
+    let least = 1.0 / range + CLIP_SLACK * max(k.x, k.y) * vec2<f32>(1.0, -1.0);
+    let nearer = cut(Span(0.0, 1.0), least.x - k.x, k.x - k.y);
+    return cut(nearer, k.x - least.y, k.y - k.x);
+}
+
+// The walk over the pixels that a line crosses. Where it crosses a border is told by the border alone, and the pixel that it is in at a
+// place by the borders that it has crossed there, so that cells, pixels and a cut beginning lead through the same pixels.
+struct Walk {
+    line: ImageLine,
+    heading: vec2<i32>,
+    // Of places by pixels.
+    inverse: vec2<f32>,
+}
+
+// No line gets there.
+const BEYOND: f32 = 2.0;
+
+// Less of the image is none.
+const LEAST_WAY: f32 = 1e-6;
+
+fn walk_of(line: ImageLine) -> Walk {
+    let way = line.end - line.begin;
+    let moves = abs(way) > vec2<f32>(LEAST_WAY);
+    let heading = select(vec2<i32>(0), vec2<i32>(sign(way)), moves);
+    return Walk(line, heading, 1.0 / select(vec2<f32>(1.0), way, moves));
+}
+
+// Where the line crosses the borders at these columns and rows.
+fn crosses(walk: Walk, borders: vec2<i32>) -> vec2<f32> {
+    let at = (vec2<f32>(borders) - walk.line.begin) * walk.inverse;
+    return select(vec2<f32>(BEYOND), at, walk.heading != vec2<i32>(0));
+}
+
+// The pixel that the line is in at a place.
+fn pixel_at(walk: Walk, s: f32) -> vec2<i32> {
+    let about = pixel_of(mix(walk.line.begin, walk.line.end, s));
+    let ahead = max(walk.heading, vec2<i32>(0));
+    let passed = vec2<f32>(s) >= crosses(walk, about + ahead);
+    let enters = crosses(walk, about + 1 - ahead);
+    let early = (vec2<f32>(s) < enters) & (enters < vec2<f32>(BEYOND));
+    return about + walk.heading * (vec2<i32>(passed) - vec2<i32>(early));
+}
+
+// What a ray finds in a cell.
+struct Seen {
+    met: Met,
+    // The cells below are to be looked at.
+    opens: bool,
+    // How many layers the ray is behind as it leaves.
+    behind: u32,
+}
+
+// Looks at a cell where the ray enters and leaves it at two depths; `behind` is how many layers it was behind before.
+fn see(level: u32, cell: vec2<u32>, entry: f32, exit: f32, behind: u32) -> Seen {
+    let slack = select(DEPTH_SLACK, 0.0, level == 0u);
+    let nearest = min(entry, exit) * (1.0 - slack);
+    let farthest = max(entry, exit) * (1.0 + slack);
+    var seen = Seen(NOTHING_MET, false, 0u);
+    var layer = 0u;
+    loop {
+        let bounds = bounds_of(layer, level, cell);
+        // Before a layer is before all deeper ones.
+        if (!(farthest >= bounds.x)) {
+            break;
+        }
+        let is_behind = nearest > bounds.y;
+        // It comes from before where it is there as it enters the pixel, or, as pixels are steps of a stair, was as it left the last one.
+        let from_before = entry <= bounds.x || (entry <= bounds.y && layer >= behind);
+        let counts = settings.front_alone == 0u || from_before;
+        let is_met = level == 0u && !is_behind && counts;
+        seen.met.is_behind = seen.met.is_behind || is_behind || (level == 0u && !counts);
+        seen.opens = level > 0u && !is_behind;
+        seen.behind = select(seen.behind, layer + 1u, level > 0u || exit > bounds.x);
+        if (is_met) {
+            seen.met.layer = layer;
+            seen.met.stored = bounds.x;
+            seen.met.is_met = true;
+        }
+        layer += 1u;
+        // From behind the farthest is met first.
+        if (!DEEP || seen.opens || (is_met && entry <= exit) || layer >= settings.layers) {
+            break;
+        }
+    }
+    return seen;
+}
+
+fn march_cells(ray: Ray, eye_ray: EyeRay, line: ImageLine, first: f32, nothing: u32) -> Answer {
+    let walk = walk_of(line);
+    let last_pixel = vec2<i32>(view.size) - 1;
+    let ahead = max(walk.heading, vec2<i32>(0));
+    var work = vec2<u32>(0u);
+    var s = first;
+    var last = 1.0;
+    if (settings.depth_clip == 1u) {
+        let clipped = clip_to_depths(line);
+        s = max(s, clipped.begin);
+        last = clipped.end;
+    }
+    var behind_a_surface = last < 1.0;
+    var pixel = clamp(pixel_at(walk, s), vec2<i32>(0), last_pixel);
+    // Rays start on surfaces: a coarse cell would say nothing.
+    var level = select(0u, pyramid.levels - 1u, s > first);
+    var depth = depth_on(line, s);
+    var out = s;
+    // How many layers the ray is behind; where it starts, that is not known.
+    var behind = settings.layers;
+    var seen = Seen(NOTHING_MET, false, 0u);
+    var capped = false;
+    while (s < last) {
+        if (work.x + work.y >= settings.max_steps) {
+            capped = true;
+            break;
+        }
+        let cell = pixel >> vec2<u32>(level);
+        let exits = crosses(walk, (cell + ahead) << vec2<u32>(level));
+        out = clamp(min(exits.x, exits.y), s, 1.0);
+        let depth_out = depth_on(line, out);
+        work += select(vec2<u32>(0u, 1u), vec2<u32>(1u, 0u), level == 0u);
+#ifdef COUNTERS
+        if (level == 0u) {
+            touch(pixel);
+        }
+#endif
+        seen = see(level, vec2<u32>(cell), depth, depth_out, behind);
+        behind_a_surface = behind_a_surface || seen.met.is_behind;
+        if (seen.met.is_met) {
+            break;
+        }
+        if (seen.opens) {
+            level -= 1u;
+            continue;
+        }
+        let low = cell << vec2<u32>(level);
+        let high = (cell + 1) << vec2<u32>(level);
+        let next = select(
+            clamp(pixel_at(walk, out), low, high - 1),
+            select(low - 1, high, walk.heading > vec2<i32>(0)),
+            exits <= vec2<f32>(out),
+        );
+        if (out >= 1.0 || any(next < vec2<i32>(0)) || any(next > last_pixel)) {
+            break;
+        }
+        level = next_level(pixel, next, level, vec2<bool>(true));
+        pixel = next;
+        s = out;
+        depth = depth_out;
+        behind = seen.behind;
+    }
+    let met = seen.met;
+    if (capped) {
+        return no_hit(STATUS_STEP_CAP, work);
+    }
+    if (met.is_met) {
+        // A ray along which depth does not change is in the surface as it enters the pixel.
+        let by_depth = settings.hit_point == 1u;
+        return Answer(hit_of(ray, eye_ray, line, met, s, out, select(out, s, by_depth), by_depth), work, pixel, met.layer);
+    }
+    return no_hit(select(nothing, STATUS_THICKNESS_REJECTED, behind_a_surface), work);
+}
+#endif
+
+#ifdef COUNTERS
+fn touch(pixel: vec2<i32>) {
+    let place = u32(pixel.y) * u32(view.size.x) + u32(pixel.x);
+    atomicOr(&pixels_touched[place >> 5u], 1u << (place & 31u));
 }
 #endif
 
@@ -223,16 +458,23 @@ fn march(ray: Ray) -> Answer {
     let end = origin + span.y * direction;
     // Rounding may leave the clipped ends a little before the near plane.
     let k = vec2<f32>(1.0 / max(begin.z, view.near), 1.0 / max(end.z, view.near));
-    let t_over_z = span * k;
     let pixel_begin = pixel_position(view, begin);
     let pixel_end = pixel_position(view, end);
     let along = abs(pixel_end - pixel_begin);
     let major = max(along.x, along.y);
+    let line = ImageLine(pixel_begin, pixel_end, k, span * k, major);
     // A ray that stays within a stride (every primary ray does) is one step.
     let step = min(settings.stride / max(major, 1e-6), 1.0);
     // The bias keeps rays that start on a surface from finding it; a ray that enters the view from outside needs none.
     let starts_inside = span.x <= ray.t_min;
     let first = select(0.0, min(settings.start_bias / max(major, 1e-6), 1.0), starts_inside);
+    let seen_whole = starts_inside && span.y >= ray.t_max;
+    let nothing = select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole);
+#ifdef HI_Z
+    if (CELLS) {
+        return march_cells(ray, eye_ray, line, first, nothing);
+    }
+#endif
 
     // Of the next sample: its number, where it begins and where it looks.
     var sample = 0u;
@@ -240,18 +482,27 @@ fn march(ray: Ray) -> Answer {
     var s = first;
     var work = vec2<u32>(0u);
     var behind_a_surface = false;
+    let forwards = direction.z >= 0.0;
+    var looks = 0u;
+    var meets_nearest = false;
+    var nearest_stored = 0.0;
+    var met = NOTHING_MET;
+    var pixel = vec2<i32>(0);
+    var high = first;
+    var capped = false;
 #ifdef HI_Z
-    let way = (pixel_end - pixel_begin) * step;
+    let way = (line.end - line.begin) * step;
     let ordered = keeps_order(way);
     // Rays start on surfaces: a coarse cell would say nothing.
     var level = 0u;
 #endif
     while (low < 1.0) {
         if (sample >= settings.max_steps) {
-            return no_hit(STATUS_STEP_CAP, work);
+            capped = true;
+            break;
         }
-        let position = mix(pixel_begin, pixel_end, s);
-        let pixel = pixel_of(position);
+        let position = mix(line.begin, line.end, s);
+        pixel = pixel_of(position);
 #ifdef HI_Z
         if (level > 0u) {
             work.y += 1u;
@@ -260,11 +511,11 @@ fn march(ray: Ray) -> Answer {
             let borders = borders_of(cell, other, level);
             var count = min(samples_within(position, way, borders, ordered), settings.max_steps - sample);
             var last = place_of(first, step, sample + count - 1u);
-            if (count > 1u && !reads_one_of(mix(pixel_begin, pixel_end, last), cell, other, level)) {
+            if (count > 1u && !reads_one_of(mix(line.begin, line.end, last), cell, other, level)) {
                 count -= 1u;
                 last = place_of(first, step, sample + count - 1u);
             }
-            let last_position = mix(pixel_begin, pixel_end, last);
+            let last_position = mix(line.begin, line.end, last);
             // The ray's end may lie closer behind a sample than samples behind each other.
             let last_ordered = ordered & vec2<bool>(last < 1.0);
             if (is_within(position, borders, ordered) && is_within(last_position, borders, last_ordered)
@@ -285,7 +536,7 @@ fn march(ray: Ray) -> Answer {
                     sample += count;
                     low = reach;
                     s = place_of(first, step, sample);
-                    level = next_level(pixel, mix(pixel_begin, pixel_end, s), level, ordered);
+                    level = next_level(pixel, pixel_of(mix(line.begin, line.end, s)), level, ordered);
                     continue;
                 }
             }
@@ -293,52 +544,56 @@ fn march(ray: Ray) -> Answer {
             continue;
         }
 #endif
-        let high = reach_of(s, step);
-        sample += 1u;
-        work.x += 1u;
+        high = reach_of(s, step);
+        work.x += select(0u, 1u, looks == 0u);
 #ifdef COUNTERS
-        let place = u32(pixel.y) * u32(view.size.x) + u32(pixel.x);
-        atomicOr(&pixels_touched[place >> 5u], 1u << (place & 31u));
+        touch(pixel);
 #endif
         let k_low = between(k, low);
         let k_high = between(k, high);
         let nearest = min(1.0 / k_low, 1.0 / k_high);
         let farthest = max(1.0 / k_low, 1.0 / k_high);
-        var layer = 0u;
-        var each = 0u;
-        loop {
-            // The layer that the ray meets first: the nearest, or from behind the farthest.
-            layer = select(each, settings.layers - 1u - each, DEEP && direction.z < 0.0);
-            let stored = stored_depth(layer, pixel);
-            let reaches = end_of(layer, pixel, stored);
-            if (farthest >= stored && nearest <= reaches) {
-                let t_low = between(t_over_z, low) / k_low;
-                let t_high = between(t_over_z, high) / k_high;
-                var t = between(t_over_z, s) / between(k, s);
-                // A ray that falls on one pixel has no other position than the stored depth.
-                if ((settings.hit_point == 1u || step == 1.0) && direction.z != 0.0) {
-                    t = (stored - origin.z) / direction.z;
-                }
-                t = clamp(clamp(t, t_low, t_high), ray.t_min, ray.t_max);
-                return Answer(Hit(t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT), work, pixel, layer);
+        // A layer a round, as lanes that run together would wait for the one that looks at most. What is before a layer is before all deeper
+        // ones. From behind the nearest is looked at first, too, and met last.
+        let layer = select(settings.layers - looks, looks, forwards || looks == 0u);
+        met = meet(select(0u, layer, DEEP), pixel, nearest, farthest);
+        behind_a_surface = behind_a_surface || met.is_behind;
+        if (DEEP) {
+            let is_first = looks == 0u;
+            looks += 1u;
+            if (!forwards && is_first) {
+                meets_nearest = met.is_met;
+                nearest_stored = met.stored;
+                met.is_met = met.is_met && settings.layers == 1u;
             }
-            behind_a_surface = behind_a_surface || (nearest > reaches);
-            each += 1u;
-            if (!DEEP || each >= settings.layers) {
-                break;
+            let has_more = looks < settings.layers && !(met.is_before && (forwards || is_first));
+            if (has_more && !met.is_met) {
+                continue;
             }
+            if (!forwards && !is_first && !met.is_met && meets_nearest) {
+                met = Met(0u, nearest_stored, true, false, false);
+            }
+            looks = 0u;
         }
+        if (met.is_met) {
+            break;
+        }
+        sample += 1u;
         low = high;
         s = place_of(first, step, sample);
 #ifdef HI_Z
-        level = next_level(pixel, mix(pixel_begin, pixel_end, s), 0u, ordered);
+        level = next_level(pixel, pixel_of(mix(line.begin, line.end, s)), 0u, ordered);
 #endif
     }
-    if (behind_a_surface) {
-        return no_hit(STATUS_THICKNESS_REJECTED, work);
+    if (capped) {
+        return no_hit(STATUS_STEP_CAP, work);
     }
-    let seen_whole = starts_inside && span.y >= ray.t_max;
-    return no_hit(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole), work);
+    if (met.is_met) {
+        // A ray that falls on one pixel has no other position than the stored depth.
+        let by_depth = settings.hit_point == 1u || step == 1.0;
+        return Answer(hit_of(ray, eye_ray, line, met, low, high, s, by_depth), work, pixel, met.layer);
+    }
+    return no_hit(select(nothing, STATUS_THICKNESS_REJECTED, behind_a_surface), work);
 }
 
 override fn tracebench::lanes::answer_ray(index: u32) {

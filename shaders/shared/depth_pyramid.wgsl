@@ -9,7 +9,7 @@
 struct PyramidLevel {
     // Pixels.
     size: vec2<u32>,
-    // The level to make, from 1 on.
+    // The level to make; 0 are the pixels themselves, as cells.
     level: u32,
     image: u32,
     // The first cell of the level, and of the one below it.
@@ -33,7 +33,7 @@ const WORKGROUP_SIZE: u32 = 64u;
 
 // Near and far of a cell of the level below.
 fn bounds_below(below: vec2<u32>) -> vec2<f32> {
-    if (made.level == 1u) {
+    if (made.level <= 1u) {
         let depth = textureLoad(eye_depths, vec2<i32>(below), i32(made.image), 0).x;
         return vec2<f32>(depth, select(depth, 0.0, (made.covered_only == 1u && depth >= NO_SURFACE)));
     }
@@ -54,8 +54,8 @@ fn reduce(invocation: Invocation) {
     }
     let cell = vec2<u32>(index % size.x, index / size.x);
     var bounds = vec2<f32>(NO_SURFACE, 0.0);
-    for (var child = 0u; child < 4u; child++) {
-        let below = bounds_below(cell_below(made.size, made.level, cell, child));
+    for (var child = 0u; child < select(4u, 1u, made.level == 0u); child++) {
+        let below = bounds_below(select(cell_below(made.size, max(made.level, 1u), cell, child), cell, made.level == 0u));
         bounds = vec2<f32>(min(bounds.x, below.x), max(bounds.y, below.y));
     }
 #ifdef FAR

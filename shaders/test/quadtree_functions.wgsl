@@ -55,7 +55,7 @@ fn merge_children(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = 5u * id.x;
     let children = array<vec2<u32>, 4>(words[at], words[at + 1u], words[at + 2u], words[at + 3u]);
-    nodes[id.x] = merged(forest, children, words[at + 4u].x, words[at + 4u].y, false);
+    nodes[id.x] = merged(forest, children, words[at + 4u].x, words[at + 4u].y);
 }
 
 // Pairs of cells.

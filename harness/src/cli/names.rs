@@ -18,8 +18,11 @@ use crate::tables::Table;
 
 /// Says that a name is not known, with the nearest that is.
 pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
-    let of =
-        |was: Kind| was == Kind::Table && kind == "table" || was == Kind::Parameter && kind.starts_with("parameter");
+    let of = |was: Kind| match was {
+        Kind::Table => kind == "table",
+        Kind::Tracer => kind == "tracer",
+        _ => was == Kind::Parameter && kind.starts_with("parameter"),
+    };
     // A parameter's name may stand behind its tracer's.
     if let Some(is) = renames::renamed(of, name.rsplit('.').next().unwrap_or(name)) {
         return CliError::Argument(format!("{kind}: {is}"));

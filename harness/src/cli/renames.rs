@@ -14,6 +14,7 @@ pub(super) enum Kind {
     /// A tracer's parameter.
     Parameter,
     Table,
+    Tracer,
     /// A variable of the environment.
     Variable,
 }
@@ -36,6 +37,8 @@ const RENAMES: &[(Kind, &str, &str)] = &[
     (Kind::Option("doctor"), "--races", "--interleaved-sets"),
     (Kind::Parameter, "reads", "memory_access"),
     (Kind::Table, "means", "launch-settings"),
+    (Kind::Table, "lbvh-gpu-ablation", "ploc-gpu-ablation"),
+    (Kind::Tracer, "lbvh-gpu", "ploc-gpu"),
     (Kind::Variable, "TRACEBENCH_MEANS", "TRACEBENCH_LAUNCH"),
 ];
 
@@ -93,6 +96,7 @@ mod tests {
                 Kind::Option(of) => answer(&[of, was]),
                 Kind::Parameter => names::tracers(&format!("dirt@{was}=x"), &[]).err().map(|error| error.to_string()),
                 Kind::Table => names::table(was).err().map(|error| error.to_string()),
+                Kind::Tracer => names::tracers(was, &[]).err().map(|error| error.to_string()),
                 Kind::Variable => renamed(|other| other == *kind, was),
             };
             assert!(said.unwrap_or_default().contains(&format!("`{was}` is `{is}` now")), "{was}");

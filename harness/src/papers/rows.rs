@@ -115,16 +115,20 @@ impl<'a> SceneRows<'a> {
     /// The run of a tracer that has these values, and else those of the tracer's first run, its resolution and rays too. So rows are
     /// distinguished by what the experiment varies, whatever else is set for all of them.
     pub fn like_first(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
-        let first = self.of_tracer(tracer).next()?;
-        let given = |name: &String| values.iter().any(|(given, _)| given == name);
-        let alike = |row: &&Row| {
+        let names: Vec<&str> = values.iter().map(|(name, _)| *name).collect();
+        self.differing_in(tracer, &names).find(|row| values.iter().all(|(name, value)| has(row, name, value)))
+    }
+
+    /// The first run of a tracer and those at its resolution and of its rays that differ from it in these parameters at most.
+    pub fn differing_in(&self, tracer: &str, parameters: &[&str]) -> impl Iterator<Item = &'a Row> {
+        let first = self.of_tracer(tracer).next();
+        let alike = move |row: &&Row, first: &Row| {
             place(row) == place(first)
-                && values.iter().all(|(name, value)| has(row, name, value))
                 && row.tracer.parameters.iter().all(|(name, value)| {
-                    given(name) || first.tracer.parameters.get(name).is_some_and(|other| other == value)
+                    parameters.contains(&name.as_str()) || first.tracer.parameters.get(name) == Some(value)
                 })
         };
-        self.of_tracer(tracer).find(alike)
+        self.of_tracer(tracer).filter(move |row| first.is_some_and(|first| alike(row, first)))
     }
 
     /// Names of the ray sets, in order of first appearance.

@@ -1,11 +1,15 @@
 //! The registration of `height-field`: one depth a pixel from one view, all behind it solid.
 
 use super::expectation::{OF_ONE_VIEW, fails, few, of_huge_triangles};
-use super::{Column, Family, Registration, Rule, Shrink, Touch};
+use super::table::{improved, published, switches};
+use super::{Column, Family, Improved, Matters, Registration, Rule, Shrink, Table, Touch};
 
 pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS, OF_ONE_VIEW],
+    improved: Some(Improved { otherwise: None, expectations: &[IMPROVED_EXPECTATIONS, EXPECTATIONS, OF_ONE_VIEW] }),
+    ablation: Some(&ABLATION),
     tune: Some("start_bias"),
+    matters: &[Matters { what: &["refinement"], by: "search", values: &["halvings"] }],
     shrinks: &[Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] }],
     touches: &[Touch {
         counter: "cells_touched",
@@ -16,6 +20,20 @@ pub(crate) const REGISTRATION: Registration = Registration {
         Ok(Box::new(tracebench_height_field::HeightField::new(gpu?)?))
     })
 };
+
+/// The published form, each switch alone, the improved form.
+const ABLATION: Table = switches(
+    "height-field-ablation",
+    "the switches between the height field as published and its improved form: builds, traces, bytes, accuracy, counters",
+    "stereo,diffuse",
+    &[
+        published(&[]),
+        published(&[("search", "closed")]),
+        published(&[("depth_clip", "on")]),
+        improved(&[]),
+        improved(&[("pyramid", "max")]),
+    ],
+);
 
 const SOLID: &str = "all behind what the view shows is solid: a ray that passes behind it, or starts there, hits";
 const SOLID_SOURCE: &str =
@@ -48,4 +66,12 @@ const EXPECTATIONS: Column = &[
     ("thin-walls", few(Rule::HitMiss, "a wall is solid as far as the view reaches, however thin it is")),
     ("foreground-in-cell", few(Rule::HitMiss, OPENED)),
     ("long-rays", few(Rule::HitMiss, NO_BUDGET)),
+];
+
+const AT_ONCE: &str = "a hit is placed where the ray is as deep as the top of its pixel: nothing is halved";
+
+/// Of the improved form, which does not halve.
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("huge-triangle", of_huge_triangles(&few(Rule::Footprint, AT_ONCE))),
+    ("depth-range", few(Rule::Footprint, AT_ONCE)),
 ];

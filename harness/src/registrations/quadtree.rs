@@ -148,6 +148,8 @@ const ABLATION: Table = switches(
         improved(&[("layers", "3")]),
         improved(&[]),
         improved(&[("patches", "squares")]),
+        improved(&[("walk_from", "root")]),
+        improved(&[("capture", "peeling"), ("minimum_separation", "0.01")]),
         improved(&[("normals", "depth")]),
         improved(&[("gamma_dist_in", "cube"), ("gamma_dist", "1e-5")]),
         improved(&[("gamma_norm", "0"), ("gamma_dist", "0")]),

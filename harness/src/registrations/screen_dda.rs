@@ -1,11 +1,19 @@
 //! The registration of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
 use super::expectation::{OF_ONE_VIEW, fails, few};
-use super::{Column, Family, Registration, Rule, Shrink, Touch};
+use super::table::{Values, improved, published, switches};
+use super::{Column, Family, Improved, Matters, Registration, Rule, Shrink, Table, Touch};
 
 pub(crate) const REGISTRATION: Registration = Registration {
     expectations: &[EXPECTATIONS, OF_ONE_VIEW],
+    improved: Some(Improved { otherwise: None, expectations: &[IMPROVED_EXPECTATIONS, EXPECTATIONS, OF_ONE_VIEW] }),
+    ablation: Some(&ABLATION),
     tune: Some("thickness"),
+    excluded_from_fronts: &["thickness_in"],
+    matters: &[
+        Matters { what: &["stride"], by: "march", values: &["pixels", "hi-z"] },
+        Matters { what: &["depth_clip", "from_behind"], by: "march", values: &["cells"] },
+    ],
     shrinks: &[
         Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
         Shrink { axis: "layers", steps: &["4", "3", "2", "1"] },
@@ -15,6 +23,33 @@ pub(crate) const REGISTRATION: Registration = Registration {
         Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?))
     })
 };
+
+const RELATIVE: Values = &[("thickness_in", "depth"), ("thickness", "0.02")];
+const ABSOLUTE: Values = &[("thickness_in", "diagonals"), ("thickness", "0.005")];
+
+/// Each switch alone; then the improved form, and its switches taken back one by one.
+const ABLATION: Table = switches(
+    "screen-dda-ablation",
+    "the switches between screen-dda as published and as engines have it: builds, traces, bytes, accuracy, counters",
+    "stereo,diffuse",
+    &[
+        published(&[]),
+        published(&[("march", "hi-z")]),
+        published(&[("march", "cells")]),
+        published(&[("march", "cells"), ("depth_clip", "on")]),
+        published(&[("hit_point", "depth")]),
+        published(RELATIVE),
+        published(&[("march", "cells"), ("from_behind", "pass")]),
+        improved(&[]),
+        improved(&[("march", "pixels")]),
+        improved(&[("march", "hi-z")]),
+        improved(&[("depth_clip", "off")]),
+        improved(&[("hit_point", "step")]),
+        improved(ABSOLUTE),
+        improved(&[("from_behind", "hit")]),
+        improved(&[("layers", "2")]),
+    ],
+);
 
 const BEHIND: &str = "one depth a pixel: what lies behind the first surface is not stored, and rays that start behind \
                       one meet its assumed thickness or nothing";
@@ -50,4 +85,17 @@ const EXPECTATIONS: Column = &[
     ("towards-camera", fails(Rule::Footprint, FROM_BEHIND, STEP_SOURCE)),
     ("foreground-in-cell", few(Rule::HitMiss, BESIDE)),
     ("long-rays", fails(Rule::HitMiss, BUDGET, BUDGET_SOURCE)),
+];
+
+const PASSES: &str = "a ray must come to a surface from before: one that starts behind what its own pixel shows, or comes out from behind it, passes, \
+                      also the surface of which a pixel has one depth for all of its slant";
+const OF_DEPTH: &str =
+    "thickness is a share of the depth: what starts a thousandth of the diagonal off is told from what it leaves";
+const IN_CELLS: &str = "its budget of steps is of cells, and cells without anything in the way are crossed at once";
+
+/// Of the improved form: cells in the place of samples, thickness by depth, no hits from behind.
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("edge-on behind-foreground", fails(Rule::HitMiss, PASSES, LAYERS_SOURCE)),
+    ("secondary-depth-ratio", few(Rule::Footprint, OF_DEPTH)),
+    ("long-rays", few(Rule::HitMiss, IN_CELLS)),
 ];

@@ -264,7 +264,7 @@ mod tests {
             own,
             ("bvh-cpu", 0.0, 3.0, host, None),
             ("bvh-gpu", 0.01, 4.0, host, Some(32)),
-            ("lbvh-gpu", 0.0, 2.0, device, Some(32)),
+            ("ploc-gpu", 0.0, 2.0, device, Some(32)),
             ("ray-query", 0.02, 9.0, device, None),
             ("screen-dda", 0.0, 9.0, device, Some(32)),
             ("bvh-gpu", 0.0, 9.0, device, Some(1)),
@@ -272,7 +272,7 @@ mod tests {
         let (name, ratio) = beside(&record(&all), Comparator::Fastest).unwrap();
         assert_eq!(name, "bvh-gpu");
         assert!((3.5..4.5).contains(&ratio), "{ratio}");
-        assert_eq!(beside(&record(&all), Comparator::OnDevice).unwrap().0, "lbvh-gpu");
+        assert_eq!(beside(&record(&all), Comparator::OnDevice).unwrap().0, "ploc-gpu");
         assert!(beside(&record(&[own, all[4]]), Comparator::Fastest).is_none());
         // At best launch settings both are free, where the row has others.
         assert!(beside(&record(&all), Comparator::AtBest).is_none());

@@ -248,7 +248,7 @@ fn views_of_nothing_say_so() {
 #[test]
 fn backends_that_serve_in_part_are_refused() {
     let bench = Bench::new();
-    for tracer in ["dirt", "fragment-abuffer", "screen-dda", "lbvh-gpu"] {
+    for tracer in ["dirt", "fragment-abuffer", "screen-dda", "ploc-gpu"] {
         let out = bench.text("out");
         let call = [&SMOKE[..], &["--tracer", tracer, "--rays", "primary", "--quiet", "--out", &out]].concat();
         let outcome = Bench::finish(bench.command(&call).env("WGPU_BACKEND", "gl"));

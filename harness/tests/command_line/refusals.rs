@@ -268,7 +268,7 @@ fn without_an_adapter() {
     let names_of_skipped: Vec<&str> = skipped.iter().map(|each| each["tracer"].as_str().unwrap()).collect();
     let of_device = [
         "bvh-gpu",
-        "lbvh-gpu",
+        "ploc-gpu",
         "ray-query",
         "dirt",
         "fragment-abuffer",

@@ -275,7 +275,7 @@ fn means_are_those_of_the_plan() {
     let bench = Bench::new();
     let run = |adaptive: &[&'static str]| -> Vec<&'static str> {
         let run = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--scene", "room,candy"];
-        [&run[..], &["--tracer", "lbvh-gpu,bvh-cpu", "--rays", "diffuse,ao", "--out", "out"], adaptive].concat()
+        [&run[..], &["--tracer", "ploc-gpu,bvh-cpu", "--rays", "diffuse,ao", "--out", "out"], adaptive].concat()
     };
     // No probe gives these.
     let mut begun = bench.command(&run(&["--launch", "texture,4"]));
@@ -305,8 +305,8 @@ fn means_are_those_of_the_plan() {
     }
     assert_eq!(found["launch"], json!({ "memory_access": "texture", "rays_per_lane": 4 }));
 
-    let probed = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--tracer", "lbvh-gpu"];
-    let probed = [&probed[..], &["--set", "lbvh-gpu.rays_per_lane=7", "--rays", "diffuse", "--out", "probed"]].concat();
+    let probed = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--tracer", "ploc-gpu"];
+    let probed = [&probed[..], &["--set", "ploc-gpu.rays_per_lane=7", "--rays", "diffuse", "--out", "probed"]].concat();
     assert!(without(&probed));
     let found = bench.result("probed");
     assert_eq!(found["launch"]["probe"]["gather_buffer_ms"].as_array().unwrap().len(), 15);

@@ -15,7 +15,7 @@ fn lists() {
         items.map(|item| item["name"].as_str().unwrap_or_else(|| panic!("{item}")).to_owned()).collect()
     };
     for (kind, expected) in [
-        ("tracers", vec!["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda", "height-field"]),
+        ("tracers", vec!["bvh-cpu", "bvh-gpu", "ploc-gpu", "dirt", "screen-dda", "height-field"]),
         ("scenes", vec!["room", "solids", "cloth", "hangar", "candy", "atrium", "foliage", "smithy"]),
         (
             "rays",
@@ -216,7 +216,7 @@ fn a_smoke_run() {
     }
     let oracle = by_name("controls", "oracle");
     assert_eq!(oracle["traces"][0]["judgement"]["agreement"]["tight"], 1.0);
-    for name in ["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda", "height-field"] {
+    for name in ["bvh-cpu", "bvh-gpu", "ploc-gpu", "dirt", "screen-dda", "height-field"] {
         let run = by_name("rows", name);
         assert_eq!(run["traces"][0]["count"], 128);
         assert_eq!(run["traces"][0]["samples_ms"].as_array().unwrap().len(), 3);

@@ -157,7 +157,7 @@ fn what_is_stopped_says_how_to_go_on() {
     assert!(said.contains(waited), "{said}");
     assert!(!bench.path("early").exists());
     // It waits before there is a plan, too: for the probe of an adapter.
-    let mut command = bench.command(&[&["run"], &scene[..], &["early/two", "--tracer", "lbvh-gpu"]].concat());
+    let mut command = bench.command(&[&["run"], &scene[..], &["early/two", "--tracer", "ploc-gpu"]].concat());
     let command = command.env("TRACEBENCH_LOCK", &lock).env_remove("TRACEBENCH_LAUNCH");
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut said = BufReader::new(child.stderr.take().unwrap()).lines();

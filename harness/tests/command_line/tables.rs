@@ -86,13 +86,13 @@ fn a_table_of_hierarchies() {
 fn a_table_of_switches() {
     let bench = Bench::new();
     let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
-    let own = listed.as_array().unwrap().iter().find(|each| each["name"] == "lbvh-gpu-ablation").unwrap();
+    let own = listed.as_array().unwrap().iter().find(|each| each["name"] == "ploc-gpu-ablation").unwrap();
     let wanted = own["tracers"].as_array().unwrap().len();
     let arguments = ["--scene", "room", "--rays", "diffuse", "--out", "out"];
-    let outcome = table(&bench, "lbvh-gpu-ablation", &arguments);
+    let outcome = table(&bench, "ploc-gpu-ablation", &arguments);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let run = bench.result("out");
-    assert_eq!((run["table"].as_str(), run["rows"].as_array().unwrap().len()), (Some("lbvh-gpu-ablation"), wanted));
+    assert_eq!((run["table"].as_str(), run["rows"].as_array().unwrap().len()), (Some("ploc-gpu-ablation"), wanted));
     let found = rows(&bench.path("out"));
     assert_eq!(found.len(), wanted);
     for row in &found {
@@ -100,12 +100,12 @@ fn a_table_of_switches() {
         assert!(number("structure_nodes") > 0.0 && number("counter_triangle_tests_per_ray") > 0.0, "{row:?}");
         assert!(number("agreement_tight_share") > 0.9, "{row:?}");
     }
-    let improved = found.iter().find(|row| row["tracer"] == "lbvh-gpu:improved").unwrap();
+    let improved = found.iter().find(|row| row["tracer"] == "ploc-gpu:improved").unwrap();
     assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
-    assert!(outcome.page.contains("× bvh-gpu") && outcome.page.contains("| lbvh-gpu:improved search_radius=4 |"));
-    let files = ["out/table_lbvh_gpu_ablation.md", "out/rows.csv"].map(|name| bench.path(name));
+    assert!(outcome.page.contains("× bvh-gpu") && outcome.page.contains("| ploc-gpu:improved search_radius=4 |"));
+    let files = ["out/table_ploc_gpu_ablation.md", "out/rows.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
-    for again in [vec!["report", "out"], vec!["table", "lbvh-gpu-ablation", "--from", "out"]] {
+    for again in [vec!["report", "out"], vec!["table", "ploc-gpu-ablation", "--from", "out"]] {
         files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
         assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0);
         assert!(files.clone().map(|file| std::fs::read(file).unwrap()) == before, "{again:?}");

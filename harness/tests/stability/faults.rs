@@ -33,7 +33,7 @@ impl Fault {
         match self {
             Self::None => "bvh-cpu",
             Self::Blind => "bvh-gpu",
-            Self::EveryTenth => "lbvh-gpu",
+            Self::EveryTenth => "ploc-gpu",
             Self::ThirdLeftOut => "ray-query",
         }
     }

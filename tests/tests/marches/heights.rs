@@ -74,6 +74,37 @@ fn all_behind_is_solid() {
     assert!(min_max.hits(&[beside])[0].is_hit() && !min_max.hits_with(&biased, &[beside]).0[0].is_hit());
 }
 
+/// Proves that hits of the improved form, at once and by rays cut before the nearest depth, are those of halvings: the same rays hit,
+/// where halvings would end, and those of brute force in f64; and, as a negative control, that fewer halvings are noticed.
+#[test]
+fn hits_at_once_are_those_of_halvings() {
+    const CLOSED: [(&str, &str); 1] = [("search", "closed")];
+    let tracer = tracer("height-field");
+    let (room, view_of_room) = room();
+    for (geometry, viewpoint, reach) in [(scene(), camera(), 9.0), (room, view_of_room, 3.0)] {
+        let view = viewpoint.frame_view();
+        let depths = draw(&geometry, &view, 1, 0.0, false);
+        let rays = rays(&view, 1500, reach, 90);
+        let built = Built::new(&*tracer, parameters("height-field", &[]), &geometry, &viewpoint);
+        let of = |settings: &[(&str, &str)]| built.hits_with(&parameters("height-field", settings), &rays).0;
+        let off = |ours: &[Hit], others: &[Hit]| {
+            let same = |(one, other): &(&Hit, &Hit)| {
+                one.status == other.status && (one.t - other.t).abs() <= 2e-6 * (view.far as f32 + one.t)
+            };
+            ours.iter().zip(others).filter(|pair| !same(pair)).count()
+        };
+        let (closed, halved) = (of(&CLOSED), of(&[]));
+        assert_eq!(off(&closed, &halved), 0);
+        assert!(off(&closed, &of(&[("refinement", "6")])) > 100);
+        for clip in ["off", "on"] {
+            let hits = of(&[CLOSED[0], ("depth_clip", clip)]);
+            let (compared, wrong) = compare(&rays, &hits, |ray, shift| depths.height_field(ray, shift));
+            assert!(compared > 900 && hits.iter().filter(|hit| hit.is_hit()).count() > 300, "{compared}");
+            assert_eq!(wrong, Vec::<String>::new(), "{} of {compared}", wrong.len());
+        }
+    }
+}
+
 /// Proves that every halving brings hits nearer to the stored depth, from behind, and the last ones as near as f32 tells; without any a
 /// ray is placed where its part in the pixel ends.
 #[test]

@@ -15,8 +15,9 @@ pub struct Depths {
 pub struct Dda {
     pub stride: f64,
     pub max_steps: usize,
-    /// Scene units.
+    /// Scene units, and a share of the stored depth.
     pub thickness: f64,
+    pub thickness_per_depth: f64,
     pub start_bias: f64,
     pub layers: usize,
     /// Whether images of backs follow the layers.
@@ -86,10 +87,8 @@ impl Depths {
         self.images[image][index(at.y, height) * width as usize + index(at.x, width)]
     }
 
-    /// Where a ray hits the height field of the first image, by brute force: it is cut at every line between columns and rows.
-    pub fn height_field(&self, ray: &Ray, shift: DVec3) -> Option<f64> {
-        let ray = EyeRay::of(&self.view, ray, shift);
-        let [begin, end] = ray.in_view(&self.view)?;
+    /// The parts of a ray in the pixels that it crosses, by brute force: it is cut at every line between columns and rows.
+    fn parts(&self, ray: &EyeRay, [begin, end]: [f64; 2]) -> Vec<[f64; 2]> {
         let mut cuts = vec![begin, end];
         for (axis, tangent) in [self.view.tan_half_width, self.view.tan_half_height].into_iter().enumerate() {
             let count = self.view.size[axis];
@@ -102,7 +101,13 @@ impl Depths {
             }
         }
         cuts.sort_by(f64::total_cmp);
-        for part in cuts.windows(2) {
+        cuts.windows(2).map(|part| [part[0], part[1]]).collect()
+    }
+
+    /// Where a ray hits the height field of the first image.
+    pub fn height_field(&self, ray: &Ray, shift: DVec3) -> Option<f64> {
+        let ray = EyeRay::of(&self.view, ray, shift);
+        for part in self.parts(&ray, ray.in_view(&self.view)?) {
             let stored = self.stored(0, self.place(ray.at(part[0].midpoint(part[1]))));
             let top = f64::from(stored);
             if stored == NO_SURFACE {
@@ -116,6 +121,39 @@ impl Depths {
             }
         }
         None
+    }
+
+    /// What a ray that goes forwards or backwards meets first at a place, between two depths.
+    fn met(&self, told: &Dda, at: DVec2, depths: [f64; 2], forwards: bool) -> Option<f64> {
+        let (nearest, farthest) = (depths[0].min(depths[1]), depths[0].max(depths[1]));
+        let meets = |layer: &usize| {
+            let stored = f64::from(self.stored(*layer, at));
+            let back = if told.backs { self.stored(told.layers + layer, at) } else { NO_SURFACE };
+            let thick = stored + told.thickness + told.thickness_per_depth * stored;
+            farthest >= stored && nearest <= if back < NO_SURFACE { f64::from(back) } else { thick }
+        };
+        let mut layers = (0..told.layers).filter(meets);
+        let layer = if forwards { layers.next() } else { layers.next_back() };
+        layer.map(|layer| f64::from(self.stored(layer, at)))
+    }
+
+    /// Where a ray hits in one of the pixels that it crosses after the bias, hits placed at the stored depth.
+    pub fn cells(&self, ray: &Ray, told: &Dda, shift: DVec3) -> Option<f64> {
+        let ray = EyeRay::of(&self.view, ray, shift);
+        let [begin, end] = ray.in_view(&self.view)?;
+        let (from, to) = (self.place(ray.at(begin)), self.place(ray.at(end)));
+        let skipped = told.start_bias / (to - from).abs().max_element().max(1e-6);
+        if begin <= ray.t_min && skipped >= 1.0 {
+            return None;
+        }
+        let first = if begin <= ray.t_min { skipped } else { 0.0 };
+        let over = [(1.0 - first) / ray.at(begin).z, first / ray.at(end).z];
+        let start = (over[0] * begin + over[1] * end) / (over[0] + over[1]);
+        self.parts(&ray, [start, end]).into_iter().find_map(|part| {
+            let at = self.place(ray.at(part[0].midpoint(part[1])));
+            let stored = self.met(told, at, part.map(|t| ray.at(t).z), ray.direction.z >= 0.0)?;
+            Some(((stored - ray.origin.z) / ray.direction.z).clamp(part[0], part[1]))
+        })
     }
 
     /// Where a ray hits by the DDA, hits placed at their steps.
@@ -138,19 +176,9 @@ impl Depths {
             let high = if share + step > 1.0 || step == 1.0 { 1.0 } else { share + 0.5 * step };
             let at = first_place.lerp(last_place, share);
             let depths = [1.0 / inverse(low), 1.0 / inverse(high)];
-            let (nearest, farthest) = (depths[0].min(depths[1]), depths[0].max(depths[1]));
-            let mut order: Vec<usize> = (0..told.layers).collect();
-            if ray.direction.z < 0.0 {
-                order.reverse();
-            }
-            for layer in order {
-                let stored = f64::from(self.stored(layer, at));
-                let back = if told.backs { self.stored(told.layers + layer, at) } else { NO_SURFACE };
-                let reach = if back < NO_SURFACE { f64::from(back) } else { stored + told.thickness };
-                if farthest >= stored && nearest <= reach {
-                    let t = if step == 1.0 { (stored - ray.origin.z) / ray.direction.z } else { t_at(share) };
-                    return Some(t.clamp(t_at(low), t_at(high)));
-                }
+            if let Some(stored) = self.met(told, at, depths, ray.direction.z >= 0.0) {
+                let t = if step == 1.0 { (stored - ray.origin.z) / ray.direction.z } else { t_at(share) };
+                return Some(t.clamp(t_at(low), t_at(high)));
             }
             low = high;
         }

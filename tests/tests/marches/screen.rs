@@ -77,7 +77,136 @@ fn hi_z_gives_the_same_hits() {
     }
 }
 
-/// Proves the same in frames of one row, one column and one pixel, whose pyramids have few cells or none.
+/// By cells.
+const CELLS: [(&str, &str); 3] = [("march", "cells"), ("hit_point", "depth"), ("max_steps", "65536")];
+
+/// A ray cut to some depths of a view.
+fn cut(view: &View, ray: &Ray, [near, far]: [f64; 2]) -> Ray {
+    let of = |vector: [f32; 3]| DVec3::from(vector.map(f64::from));
+    let depth = (of(ray.origin) - view.eye).dot(view.forward);
+    let along = of(ray.direction).dot(view.forward);
+    let ends = [near, far].map(|end| ((end - depth) / along) as f32);
+    Ray { t_min: ray.t_min.max(ends[0].min(ends[1])), t_max: ray.t_max.min(ends[0].max(ends[1])), ..*ray }
+}
+
+/// Proves that rays which are cut to the depths that the view has hit just the same, bit for bit, by every kind of build and of trace, in
+/// an open scene and a closed one, by fewer visits; and, as a negative control, that a cut a fiftieth too narrow is noticed.
+#[test]
+fn cut_rays_hit_the_same() {
+    let (room, view_of_room) = room();
+    let tracer = tracer(NAME);
+    for (geometry, viewpoint, reach) in [(scene(), camera(), 9.0), (room, view_of_room, 3.0)] {
+        let view = viewpoint.frame_view();
+        let rays = [rays(&view, 1200, reach, 87), from_beside(&view, reach)].concat();
+        for build in BUILDS {
+            let settings = [build, &CELLS].concat();
+            let built = Built::new(&*tracer, parameters(NAME, &settings), &geometry, &viewpoint);
+            let mut visited = [0, 0];
+            for trace in [&[][..], &[("hit_point", "step"), ("start_bias", "0")], &[("from_behind", "pass")]] {
+                for thickness in [&[][..], &[("thickness", "0")], &[("thickness", "0.1"), ("thickness_in", "depth")]] {
+                    let [whole, clipped] = ["off", "on"].map(|clip| {
+                        let all = [&settings[..], trace, thickness, &[("depth_clip", clip)]].concat();
+                        built.hits_with(&parameters(NAME, &all), &rays)
+                    });
+                    let same = |(one, other): (&Hit, &Hit)| one == other || !one.is_hit() && !other.is_hit();
+                    let differs = whole.0.iter().zip(&clipped.0).position(|pair| !same(pair));
+                    let shown = differs.map(|index| (&rays[index], &whole.0[index], &clipped.0[index]));
+                    assert_eq!(shown, None, "{build:?} {trace:?} {thickness:?}");
+                    for (sum, (_, counters)) in visited.iter_mut().zip([whole, clipped]) {
+                        *sum += total(&counters, "cells_visited") + total(&counters, "depth_samples");
+                    }
+                }
+            }
+            assert!(visited[1] < visited[0], "{build:?}: {visited:?}");
+        }
+        let thin = parameters(NAME, &[&CELLS[..], &[("thickness", "0"), ("start_bias", "0")]].concat());
+        let built = Built::new(&*tracer, thin, &geometry, &viewpoint);
+        let depths = draw(&geometry, &view, 1, 0.0, false);
+        let covered = || depths.images[0].iter().filter(|depth| **depth < NO_SURFACE).map(|depth| f64::from(*depth));
+        let range = [covered().fold(f64::INFINITY, f64::min) * 1.02, covered().fold(0.0, f64::max) / 1.02];
+        let narrow: Vec<Ray> = rays.iter().map(|ray| cut(&view, ray, range)).collect();
+        let lost = built.hits(&rays).into_iter().zip(built.hits(&narrow)).filter(|(one, other)| one != other);
+        assert!(lost.count() > 5);
+    }
+}
+
+/// Proves that hits by cells are those of all pixels that rays cross, in f64 over the same depths, by several settings; and, as a negative
+/// control, that other settings are noticed.
+#[test]
+fn cells_are_marched_as_in_f64() {
+    let (geometry, tracer, viewpoint) = (scene(), tracer(NAME), camera());
+    let view = viewpoint.frame_view();
+    let rays = rays(&view, 1500, 9.0, 88);
+    for (layers, backs, clip) in [(1, false, "on"), (2, false, "off"), (2, true, "on")] {
+        let depths = draw(&geometry, &view, layers, 0.0, backs);
+        let from = if backs { "back_faces" } else { "assumed" };
+        let told = [("layers", if layers == 1 { "1" } else { "2" }), ("thickness_from", from), ("depth_clip", clip)];
+        let settings = [&CELLS[..], &told, &[("thickness", "0.02"), ("thickness_in", "depth")]].concat();
+        let built = Built::new(&*tracer, parameters(NAME, &settings), &geometry, &viewpoint);
+        let hits = built.hits(&rays);
+        let dda = Dda {
+            stride: 1.0,
+            max_steps: usize::MAX,
+            thickness: 0.0,
+            thickness_per_depth: 0.02,
+            start_bias: 1.0,
+            layers: layers as usize,
+            backs,
+        };
+        let (compared, wrong) = compare(&rays, &hits, |ray, shift| depths.cells(ray, &dda, shift));
+        assert!(compared > 1000, "{compared}");
+        assert_eq!(wrong, Vec::<String>::new(), "{} of {compared}: {settings:?}", wrong.len());
+        for other in [Dda { backs: false, thickness_per_depth: 0.08, ..dda }, Dda { start_bias: 4.0, ..dda }] {
+            let off = compare(&rays, &hits, |ray, shift| depths.cells(ray, &other, shift)).1.len();
+            assert!(off > 10, "{settings:?} {other:?}: {off}");
+        }
+    }
+}
+
+/// Proves that plates in all poses are hit by rays that come from the side that the view sees, and passed by those that come from behind,
+/// where that is asked for, but for a few that are before and behind the one depth of a pixel in it; and, as a negative control, that
+/// otherwise both hit.
+#[test]
+fn rays_from_behind_pass() {
+    let (tracer, mut numbers) = (tracer(NAME), Numbers::new(89));
+    let (mut seen, mut from_behind, mut wrong) = (0, 0, 0);
+    while from_behind < 40 {
+        let normal = numbers.direction();
+        let centre = DVec3::new(0.0, 0.0, -4.0);
+        // Not from its edge.
+        if normal.dot(centre.normalize()).abs() < 0.4 {
+            continue;
+        }
+        let (x, y) = normal.any_orthonormal_pair();
+        let corner = centre - 1.5 * (x + y);
+        let plate = tracebench_tests::rectangle(
+            corner.as_vec3().into(),
+            (3.0 * x).as_vec3().into(),
+            (3.0 * y).as_vec3().into(),
+        );
+        let geometry = soup(&plate, Some(&gpu()));
+        let built = Built::new(&*tracer, parameters(NAME, &CELLS), &geometry, &camera());
+        for _ in 0..8 {
+            let along = numbers.direction();
+            if along.dot(normal).abs() < 0.3 {
+                continue;
+            }
+            let through = Ray { t_max: 0.6, ..ray(centre - 0.3 * along, along) };
+            let comes_from_behind = (along.dot(normal) < 0.0) != (centre.dot(normal) < 0.0);
+            let [kept, passed] = ["hit", "pass"].map(|told| {
+                let all = [&CELLS[..], &[("thickness", "0.1"), ("start_bias", "0"), ("from_behind", told)]].concat();
+                built.hits_with(&parameters(NAME, &all), &[through]).0[0].is_hit()
+            });
+            assert!(kept, "{normal} {through:?}");
+            wrong += u32::from(passed == comes_from_behind);
+            (seen, from_behind) = (seen + u32::from(passed), from_behind + u32::from(!passed));
+        }
+    }
+    assert!(seen > 20 && 8 * wrong <= seen + from_behind, "{wrong} of {seen} and {from_behind}");
+}
+
+/// Proves that Hi-Z gives the same hits in frames of one row, one column and one pixel, whose pyramids have few cells or none, and that
+/// cells do, cut or not.
 #[test]
 fn hi_z_serves_every_frame() {
     let (geometry, tracer) = (scene(), tracer(NAME));
@@ -89,6 +218,12 @@ fn hi_z_serves_every_frame() {
         });
         assert!(pixels == hi_z, "{frame:?}");
         assert!(pixels.iter().any(Hit::is_hit), "{frame:?}");
+        let [whole, clipped] = ["off", "on"].map(|clip| {
+            let settings = [&CELLS[..], &[("depth_clip", clip)]].concat();
+            let hits = Built::new(&*tracer, parameters(NAME, &settings), &geometry, &viewpoint).hits(&rays);
+            hits.into_iter().map(|hit| hit.is_hit().then_some(hit)).collect::<Vec<_>>()
+        });
+        assert!(whole == clipped && whole.iter().any(Option::is_some), "{frame:?}");
     }
 }
 
@@ -143,6 +278,7 @@ fn layers_and_backs_are_marched_as_in_f64() {
             stride: f64::from(stride),
             max_steps: max_steps as usize,
             thickness: 0.005 * diagonal,
+            thickness_per_depth: 0.0,
             start_bias: 1.0,
             layers: layers as usize,
             backs,

@@ -12,7 +12,7 @@ use tracebench_tests::gpu;
 const FOLDER: &str = "TRACEBENCH_HITS";
 
 /// Tracers that nothing of a rasterizer goes into: arithmetic alone, which Vulkan defines.
-const COMPUTED: [&str; 4] = ["bvh-cpu", "bvh-gpu", "lbvh-gpu", "voxel-octree"];
+const COMPUTED: [&str; 4] = ["bvh-cpu", "bvh-gpu", "ploc-gpu", "voxel-octree"];
 
 /// Hits by tracer, parameters, scene and query.
 type Answers = BTreeMap<String, Vec<Hit>>;

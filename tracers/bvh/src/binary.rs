@@ -1,4 +1,5 @@
-//! A binary hierarchy as the device has it: siblings stand together, after their parents, in 32 bytes a node.
+//! A binary hierarchy as the device has it: siblings stand together, in 32 bytes a node. They come after their parents, but in
+//! a radix tree that the device has built.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -76,16 +77,13 @@ impl Binary {
 
     /// Levels of pairs.
     pub(crate) fn depth(&self) -> usize {
-        let mut levels = vec![0; self.nodes.len()];
-        for index in 0..self.nodes.len() {
-            let node = self.nodes[index];
-            if node.count == INNER {
-                let first = node.first as usize;
-                levels[first] = levels[index] + 1;
-                levels[first + 1] = levels[index] + 1;
-            }
+        let (mut level, mut depth): (Vec<BinaryNode>, _) = (self.nodes.iter().take(2).copied().collect(), 0);
+        while !level.is_empty() {
+            let below = level.iter().filter(|node| node.count == INNER).map(|node| node.first as usize);
+            level = below.flat_map(|first| [self.nodes[first], self.nodes[first + 1]]).collect();
+            depth += 1;
         }
-        levels.into_iter().max().map_or(0, |deepest| deepest + 1)
+        depth
     }
 
     /// Fits every box to triangles that moved, from the leaves up. `triangles` are all of the scene's, in its order.
@@ -107,22 +105,32 @@ impl Binary {
         }
     }
 
-    /// That pairs follow their parents and are reached once, that leaves take every slot once, and that each box bounds
+    /// That pairs are reached once, that leaves take every slot once, and that each box bounds
     /// the triangles below it. `triangles` are in the order of the slots. A triangle that was split reaches out of its
     /// boxes; without `whole` they must only meet.
     pub(crate) fn check(&self, triangles: &[Triangle], whole: bool) -> Result<(), TracerError> {
         let failed = |what: String| Err(TracerError::Failed(what));
         let mut reached = vec![false; self.nodes.len() / 2];
-        let mut taken = vec![false; triangles.len()];
-        let mut bounds = vec![Aabb::empty(); self.nodes.len()];
-        for index in (0..self.nodes.len()).rev() {
-            let node = &self.nodes[index];
-            let first = node.first as usize;
-            if node.count == INNER {
-                let is_pair = first > index && first.is_multiple_of(2) && first + 1 < self.nodes.len();
+        // Parents before their children, in whatever order they are stored.
+        let mut order: Vec<usize> = (0..self.nodes.len().min(2)).collect();
+        let mut next = 0;
+        while let Some(&index) = order.get(next) {
+            let first = self.nodes[index].first as usize;
+            if self.nodes[index].count == INNER {
+                let is_pair = first > 1 && first.is_multiple_of(2) && first + 1 < self.nodes.len();
                 if !is_pair || std::mem::replace(&mut reached[first / 2], true) {
                     return failed(format!("the children of node {index} do not exist or are reached twice"));
                 }
+                order.extend([first, first + 1]);
+            }
+            next += 1;
+        }
+        let mut taken = vec![false; triangles.len()];
+        let mut bounds = vec![Aabb::empty(); self.nodes.len()];
+        for index in order.into_iter().rev() {
+            let node = &self.nodes[index];
+            let first = node.first as usize;
+            if node.count == INNER {
                 bounds[index] = bounds[first].union(&bounds[first + 1]);
             } else {
                 for slot in first..first + node.count as usize {

@@ -4,7 +4,7 @@
 //! `bvh-cpu` is an eight-wide compressed hierarchy (CWBVH; Ylitie, Karras and Laine, HPG 2017), traversed in f32 on all
 //! cores. Its triangle test is obvhs's, which is not watertight, or one that is; its answers are judged like anyone's.
 //!
-//! `lbvh-gpu` is built on the device by PLOC++ (Benthin et al., HPG 2022) and traversed as `bvh-gpu` is.
+//! `ploc-gpu` is built on the device by PLOC++ (Benthin et al., HPG 2022) and traversed as `bvh-gpu` is.
 //!
 //! `bvh-gpu` is the same hierarchy, or a binary one, uploaded and traversed in compute, with the watertight triangle test of
 //! Woop, Benthin and Wald (JCGT 2013).
@@ -16,7 +16,7 @@ mod cpu;
 mod gpu;
 mod hierarchy;
 mod input;
-mod lbvh;
+mod ploc;
 mod ray_query;
 mod refit;
 mod sah;
@@ -26,5 +26,5 @@ mod wide;
 
 pub use cpu::{BvhCpu, description};
 pub use gpu::{BINARY_STACK, BvhGpu, WIDE_STACK, description as gpu_description};
-pub use lbvh::{LbvhGpu, description as lbvh_description};
+pub use ploc::{PlocGpu, description as ploc_description};
 pub use ray_query::{RayQuery, description as ray_query_description};

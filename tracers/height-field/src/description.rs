@@ -9,12 +9,26 @@ choice! {
     pub(crate) enum Pyramid { MinMax = "min-max", Max = "max" }
 }
 
+choice! {
+    /// How it is found where in its pixel a ray comes behind the surface.
+    pub(crate) enum Search { Halvings = "halvings", Closed = "closed" }
+}
+
+choice! {
+    /// Whether something is done.
+    pub(crate) enum Switch { Off = "off", On = "on" }
+}
+
 parameters! {
     /// What `height-field` is told.
     pub(crate) struct HeightParameters {
         /// what is kept of a cell: both of its depth bounds, or the greatest height alone (the nearest depth), half as much memory; the
         /// hits are the same
         pyramid: Pyramid = Parameter::choice(Build, Pyramid::MinMax),
+        /// how it is found where in its pixel a ray comes behind the surface: by halvings, or at once, as the surface is level there
+        search: Search = Parameter::choice(Trace, Search::Halvings).improved(Search::Closed),
+        /// whether rays are cut before the nearest depth that the view has; the hits are the same
+        depth_clip: Switch = Parameter::choice(Trace, Switch::Off).improved(Switch::On),
         /// halvings of a ray's part in the pixel where it comes behind the surface: fewer place hits farther behind it
         refinement: u32 = Parameter::integer(Trace, 0..=32, 24).unit("halvings").sweep([0, 4, 8, 16, 24]),
         /// pixels along the major axis skipped by rays that start in the view: with none a ray that starts behind the stored depth of its

@@ -13,7 +13,8 @@
 //! trace's own time, and takes normal and material from the triangle at the pixel where a hit was found.
 //!
 //! What the sources leave open, each chosen so that the suite can compare methods:
-//! - Neither source says how many halvings a hit gets. The default, 24, brings it as near to the stored depth as f32 tells.
+//! - Neither source says how many halvings a hit gets. The default, 24, brings it as near to the stored depth as f32 tells. As a
+//!   column's top is level, `search = closed` finds the same place at once.
 //! - Rays are walked from pixel to pixel exactly, as all image-space methods here are; a ray goes up a level where it comes into
 //!   another cell of that.
 //! - `start_bias` lets a ray that starts in the view leave out the first pixels of its way; WKP15's rays start at eyes and need none,

@@ -9,7 +9,7 @@ use tracebench_kit::{
 };
 use tracebench_shaders::height_field::{HeightSettings, Trace};
 
-use crate::description::{HeightParameters, NO_REFIT, Pyramid};
+use crate::description::{HeightParameters, NO_REFIT, Pyramid, Search, Switch};
 
 /// The tracer.
 pub type HeightField = DeviceTracer<ImageStructure<HeightMethod>>;
@@ -66,6 +66,8 @@ impl ImageMethod for HeightMethod {
             rays_per_lane,
             row_words: images.copy.as_ref().map_or(0, |copy| copy.row_words()),
             start_bias: parameters.start_bias as f32,
+            closed: u32::from(parameters.search == Search::Closed),
+            depth_clip: u32::from(parameters.depth_clip == Switch::On),
             ..Zeroable::zeroed()
         };
         Ok((settings, rays_per_lane))
@@ -80,7 +82,7 @@ impl ImageMethod for HeightMethod {
     }
 
     fn samplings(drawn: &RasterizedView, parameters: &Parameters) -> Result<Vec<SampledImage>, TracerError> {
-        let HeightParameters { start_bias, refinement, .. } = HeightParameters::try_from(parameters)?;
+        let HeightParameters { start_bias, refinement, search, .. } = HeightParameters::try_from(parameters)?;
         let march = Some(ImageMarch {
             steps: MarchSteps::EveryPixel,
             start_bias,
@@ -89,7 +91,7 @@ impl ImageMethod for HeightMethod {
             thickness_in_pixels: 0.0,
             to_back_faces: false,
             // Few halvings leave it open where in its pixel a hit is.
-            anywhere: refinement < 16,
+            anywhere: search == Search::Halvings && refinement < 16,
         });
         Ok(vec![SampledImage { march, ..SampledImage::new(Projection::Perspective(drawn.view), Layers::Nearest) }])
     }

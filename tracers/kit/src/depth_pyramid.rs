@@ -26,6 +26,8 @@ pub enum CellDepths {
     Near,
     /// The nearest and the farthest one: a pair of words.
     NearFar,
+    /// The same, with the pixels as the first cells: for searches that look at all levels alike.
+    WithPixels,
 }
 
 /// Which images a pyramid is over, of how many pixels.
@@ -48,12 +50,17 @@ impl PyramidShape {
 
     /// Where its cells lie.
     pub fn layout(&self) -> PyramidLayout {
-        let (level_offsets, cells) = self.pyramid().offsets(1, 0);
+        let (level_offsets, cells) = self.pyramid().offsets(self.first_level(), 0);
         let levels = self.pyramid().levels() as u32;
         PyramidLayout { size: self.size, levels, cells: cells as u32, level_offsets }
     }
 
-    /// Cells of all images, without the pixels.
+    /// The level that its cells begin with.
+    fn first_level(&self) -> usize {
+        usize::from(self.depths != CellDepths::WithPixels)
+    }
+
+    /// Cells of all images.
     pub fn cells(&self) -> u64 {
         u64::from(self.layout().cells) * u64::from(self.images)
     }
@@ -61,20 +68,20 @@ impl PyramidShape {
     fn words(&self) -> u64 {
         match self.depths {
             CellDepths::Near => 1,
-            CellDepths::NearFar => 2,
+            CellDepths::NearFar | CellDepths::WithPixels => 2,
         }
     }
 
     fn slot(&self) -> ReadSlot {
         match self.depths {
             CellDepths::Near => ReadSlot::Words1,
-            CellDepths::NearFar => ReadSlot::Pairs0,
+            CellDepths::NearFar | CellDepths::WithPixels => ReadSlot::Pairs0,
         }
     }
 
     /// The bytes of a build's uniforms, which are kept until it is done.
     pub fn build_bytes(&self) -> u64 {
-        let levels = self.pyramid().levels() as u64 - 1;
+        let levels = (self.pyramid().levels() - self.first_level()) as u64;
         levels * u64::from(self.images) * size_of::<PyramidLevel>() as u64
     }
 
@@ -82,14 +89,14 @@ impl PyramidShape {
         let (shape, layout) = (*self, self.layout());
         let offset = move |level: u32| layout.level_offsets[level as usize];
         (0..shape.images).flat_map(move |image| {
-            (1..layout.levels).map(move |level| {
+            (shape.first_level() as u32..layout.levels).map(move |level| {
                 let first = image * layout.cells;
                 let made = PyramidLevel {
                     size: shape.size,
                     level,
                     image,
                     begin: first + offset(level),
-                    begin_below: first + offset(level - 1),
+                    begin_below: first + offset(level.saturating_sub(1)),
                     covered_only: u32::from(image >= shape.covered_from),
                     padding: 0,
                 };
@@ -103,7 +110,7 @@ impl PyramidShape {
         let mut cells = Vec::new();
         for (number, image) in (0..).zip(images) {
             let covered_only = number >= self.covered_from;
-            for level in 1..self.pyramid().levels() {
+            for level in self.first_level()..self.pyramid().levels() {
                 let [width, height] = self.pyramid().level_size(level);
                 let edge = 1_usize << level;
                 let [columns, rows] = self.size.map(|pixels| pixels as usize);
@@ -176,7 +183,7 @@ impl PyramidBuilder {
     ) -> Result<(), TracerError> {
         let pipeline = match pyramid.shape.depths {
             CellDepths::Near => &self.near,
-            CellDepths::NearFar => &self.near_far,
+            CellDepths::NearFar | CellDepths::WithPixels => &self.near_far,
         };
         let bind = |(level, cells): (PyramidLevel, u32)| -> Result<(BindGroup, u32), TracerError> {
             let uniform = uniform_buffer(gpu, LEVEL, &level)?;
@@ -352,7 +359,8 @@ mod tests {
             assert!(images[0].iter().zip(&images[1]).all(|(first, second)| first < second || *second == NO_SURFACE));
             let covered = images.each_ref().map(|image| image.iter().filter(|depth| **depth < NO_SURFACE).count());
             assert!(covered[0] > 0 && (covered[1] > 100 || size != [64, 64]), "{covered:?}");
-            for (depths, memory_access) in [CellDepths::Near, CellDepths::NearFar].into_iter().flat_map(|depths| {
+            let all = [CellDepths::Near, CellDepths::NearFar, CellDepths::WithPixels];
+            for (depths, memory_access) in all.into_iter().flat_map(|depths| {
                 [MemoryAccess::Buffer, MemoryAccess::Texture].map(|memory_access| (depths, memory_access))
             }) {
                 let pyramid = DepthPyramid::new(&gpu, shape(size, depths), memory_access).unwrap();

@@ -5,10 +5,9 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    DevicePipelines, PipelinesOnDemand, SearchPipelines, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
-    uniform_buffer,
+    DevicePipelines, SearchPipelines, ViewUniform, bind_group, compute_pipeline, dispatch_linear, uniform_buffer,
 };
-use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES};
+use tracebench_shaders::quadtree::{BOTTOM, MERGE, SURFACES};
 
 use crate::images::Images;
 use crate::layers::{LayerPipelines, capture_bytes};
@@ -17,13 +16,13 @@ use crate::layout::{Forest, MAX_VIEWS, Shape};
 /// As `WORKGROUP_SIZE` in the shaders of shaders/quadtree.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
-/// Every pipeline; those of traces and merges are made when they are first asked for.
+/// Every pipeline; those of traces are made when they are first asked for.
 pub struct Pipelines {
     pub(crate) gpu: Arc<Gpu>,
     layers: LayerPipelines,
     surfaces: ComputePipeline,
     bottom: ComputePipeline,
-    merges: PipelinesOnDemand,
+    merge: ComputePipeline,
     pub(crate) traces: SearchPipelines,
 }
 
@@ -33,7 +32,7 @@ impl DevicePipelines for Pipelines {
             layers: LayerPipelines::new(&gpu)?,
             surfaces: compute_pipeline(&gpu, SURFACES, "surfaces")?,
             bottom: compute_pipeline(&gpu, BOTTOM, "bottom")?,
-            merges: PipelinesOnDemand::new("merge"),
+            merge: compute_pipeline(&gpu, MERGE, "merge")?,
             traces: SearchPipelines::default(),
             gpu,
         })
@@ -67,12 +66,11 @@ impl Pipelines {
             &[&forest, &device.positions, &device.indices, &device.materials, &images.names.buffer, odd, even],
         );
         let bottom = self.bind(&self.bottom, &[&forest, &views, &images.codes.buffer, odd, even, &images.nodes.buffer]);
-        let merge = self.merges.of(gpu, Merge { joined: shape.is_joined })?;
         let mut levels = Vec::new();
         for level in 1..=shape.top {
             let number = uniform_buffer(gpu, "level", &[level, 0, 0, 0])?;
             let cells = shape.level_size(level).map(u64::from).iter().product::<u64>() * shape.images();
-            levels.push((self.bind(&merge, &[&forest, &number, &images.nodes.buffer]), cells as u32));
+            levels.push((self.bind(&self.merge, &[&forest, &number, &images.nodes.buffer]), cells as u32));
         }
         self.layers.record(shape, images, &capturing, clock)?;
         let pixels = (shape.pixels() * shape.images()) as u32;
@@ -84,7 +82,7 @@ impl Pipelines {
         })?;
         for (level, (bindings, cells)) in (1..).zip(&levels) {
             clock.device_phase(&format!("merge level {level}"), |encoder| {
-                dispatch_linear(encoder, &merge, bindings, *cells, WORKGROUP_SIZE);
+                dispatch_linear(encoder, &self.merge, bindings, *cells, WORKGROUP_SIZE);
             })?;
         }
         images.record_copies(clock)

@@ -51,6 +51,11 @@ choice! {
 }
 
 choice! {
+    /// The node at which a walk begins.
+    pub(crate) enum WalkFrom { Root = "root", Ancestor = "ancestor" }
+}
+
+choice! {
     /// When the next layer is asked; in the order of the shader's codes.
     pub(crate) enum NextLayer { Volumes = "volumes", Misses = "misses", Always = "always" }
 }
@@ -108,12 +113,15 @@ parameters! {
         /// which planes reach beyond their nodes: those that no discontinuity lies near, those that one does, all, or none
         dilated: Dilated = Parameter::choice(Build, Dilated::Continuous),
         /// where a flagged pixel's plane ends: at the pixel's sides, as the others, or where it meets that of a pixel beside it at an edge
-        /// towards the eye, behind which the neighbour's goes on; flagged pixels are then not merged and reach beyond nothing, and a trace
-        /// reads the four nodes beside every such pixel whose plane it gets behind
+        /// towards the eye, behind which the neighbour's goes on; pixels whose planes end are then not merged and reach beyond nothing, and
+        /// a trace reads the nodes beside every such pixel whose plane it gets behind
         patches: Patches = Parameter::choice(Build, Patches::Squares).improved(Patches::Joined),
         /// how the next node on a ray's way is found: from the highest bit in which the nodes' places differ (section 4), or from a stack
         /// of the nodes above; the hits are the same
         traversal: Traversal = Parameter::choice(Trace, Traversal::Xor),
+        /// the node at which a walk begins: the root over the ray's begin, or the child there of the last node that holds both of its ends;
+        /// the hits are the same
+        walk_from: WalkFrom = Parameter::choice(Trace, WalkFrom::Root).improved(WalkFrom::Ancestor),
         /// when the next layer is asked: where a ray passed an occlusion volume before its hit (section 4.1), where it hit nothing (section
         /// 2.3), or always
         next_layer: NextLayer = Parameter::choice(Trace, NextLayer::Volumes),

@@ -156,7 +156,8 @@ impl Shape {
             growth: self.growth as f32,
             normals_of_geometry: self.normals as u32,
             inverse_far: (1.0 / far) as f32,
-            padding: [0; 2],
+            is_joined: u32::from(self.is_joined),
+            padding: 0,
             level_offsets,
         }
     }

@@ -38,7 +38,7 @@ fn merged(forest: &Forest, children: &[Node; 4], there: u32, level: u32) -> (Nod
             (turned - angle).abs() <= 2.0 * half || (farthest - distance).abs() <= coarse || !(0.0..=1.0).contains(&z);
         if turned < angle && farthest < distance {
             let flagged = planes.iter().any(|(_, plane)| plane.flagged);
-            return (Node::Plane(Plane { z, normal, slope, flagged }), undecided);
+            return (Node::Plane(Plane { z, normal, slope, flagged, end: None }), undecided);
         }
     }
     let (mut least, mut greatest, mut holes) = (1.0_f64, 0.0_f64, false);

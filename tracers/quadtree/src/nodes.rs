@@ -3,8 +3,11 @@
 use tracebench_api::glam::{DVec2, DVec3};
 
 const PLANE_BIT: u32 = 0x8000_0000;
-const FLAG_BIT: u32 = 0x4000_0000;
 const FLOAT_BITS: u32 = 0x3fff_ffff;
+const NORMAL_BITS: u32 = 0xbfff_bfff;
+
+/// The steps to the pixels beside one, by the number of the side that lies between.
+pub(crate) const STEPS: [[i32; 2]; 4] = [[-1, 0], [1, 0], [0, -1], [0, 1]];
 
 /// Of a pixel that shows nothing.
 pub(crate) const NOTHING: [u32; 2] = [0x3f80_0000, 0x8000_0000];
@@ -31,6 +34,8 @@ pub(crate) struct Plane {
     pub slope: DVec2,
     /// Near a discontinuity.
     pub flagged: bool,
+    /// The side across which it ends at a neighbour's.
+    pub end: Option<usize>,
 }
 
 /// A number in half precision.
@@ -54,10 +59,13 @@ impl Node {
         if words[0] & PLANE_BIT == 0 {
             return Self::Box { least: z_of(words[0]), greatest: z_of(words[1]), holes: words[1] & PLANE_BIT != 0 };
         }
-        let across = DVec2::new(half(words[1] as u16), half((words[1] >> 16) as u16));
+        let normal = words[1] & NORMAL_BITS;
+        let across = DVec2::new(half(normal as u16), half((normal >> 16) as u16));
         let normal = across.extend((1.0 - across.length_squared()).max(5e-4).sqrt());
         let slope = -across / normal.z / DVec2::new(f64::from(size[0]), f64::from(size[1]));
-        Self::Plane(Plane { z: z_of(words[0]), normal, slope, flagged: words[0] & FLAG_BIT != 0 })
+        let mark = (words[0] >> 30 & 1) | (words[1] >> 14 & 1) << 1 | (words[1] >> 30 & 1) << 2;
+        let end = mark.checked_sub(2).map(|side| side as usize);
+        Self::Plane(Plane { z: z_of(words[0]), normal, slope, flagged: mark != 0, end })
     }
 }
 
@@ -78,6 +86,8 @@ impl Plane {
 mod tests {
     use super::*;
 
+    const FLAG_BIT: u32 = 0x4000_0000;
+
     /// Halves are those of IEEE 754: signs, the smallest, normal ones and the greatest below 1.
     #[test]
     fn halves_are_read() {
@@ -95,7 +105,7 @@ mod tests {
         }
     }
 
-    /// Kinds are told by the sign of the first word, flag and holes by the spare bits.
+    /// Kinds are told by the sign of the first word, marks and holes by the spare bits.
     #[test]
     fn kinds_are_told_apart() {
         let size = [64, 32];
@@ -104,9 +114,13 @@ mod tests {
         for (bit, holes) in [(0, false), (PLANE_BIT, true)] {
             assert_eq!(Node::of([quarter, half | bit], size), Node::Box { least: 0.25, greatest: 0.5, holes });
         }
-        for (bit, flagged) in [(0, false), (FLAG_BIT, true)] {
-            let Node::Plane(plane) = Node::of([PLANE_BIT | bit | quarter, 0xb800_3800], size) else { panic!() };
-            assert_eq!((plane.z, plane.flagged), (0.25, flagged));
+        // The marks of a plane: none, flagged, and an end at each side.
+        let marks =
+            [0, FLAG_BIT, 0, FLAG_BIT, 0, FLAG_BIT].into_iter().zip([0, 0, 0x4000, 0x4000, 0x4000_0000, 0x4000_0000]);
+        for (mark, (of_z, of_normal)) in marks.enumerate() {
+            let words = [PLANE_BIT | of_z | quarter, 0xb800_3800 | of_normal];
+            let Node::Plane(plane) = Node::of(words, size) else { panic!() };
+            assert_eq!((plane.z, plane.flagged, plane.end), (0.25, mark > 0, mark.checked_sub(2)));
             assert_eq!((plane.normal.x, plane.normal.y), (0.5, -0.5));
             assert!((plane.normal.length() - 1.0).abs() < 1e-15);
             // Across the whole image the cube's slope, -normal.x / normal.z.

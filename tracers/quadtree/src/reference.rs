@@ -21,6 +21,8 @@ pub(crate) struct Asked {
     /// Pixel heights.
     pub occlusion_bias: f64,
     pub start_bias: f64,
+    /// As a control: whether a walk ends with a hit beyond a node, whatever comes next.
+    pub ends_beyond: bool,
 }
 
 /// An answer.
@@ -220,6 +222,7 @@ impl<'a> Reference<'a> {
 
     fn walk(&self, image: usize, track: &Track, asked: &Asked, [first, last]: [f64; 2]) -> Found {
         let forest = self.structure.shape.forest();
+        let mut last = last;
         let mut crossed: Vec<([f64; 2], &Leaf)> = self.leaves[image]
             .iter()
             .filter_map(|leaf| track.part(leaf, [first, last]).map(|part| (part, leaf)))
@@ -231,6 +234,10 @@ impl<'a> Reference<'a> {
         // Where the ray left the leaf before, close before its plane, and whether that is decided.
         let mut before_until = (-1.0, true);
         for ([entry, exit], leaf) in crossed {
+            if entry > last {
+                break;
+            }
+            let exit = exit.min(last);
             let middle = (leaf.low + leaf.high) / 2.0;
             let behind = |place: f64| leaf.plane.z_at(track.at(place) - middle) - track.z(place);
             let (at_entry, at_exit) = (behind(entry), behind(exit));
@@ -244,9 +251,12 @@ impl<'a> Reference<'a> {
             let (at_first, at_last) = (behind(part[0]), behind(part[1]));
             // A corner that is just touched rounding may leave out.
             let touched = (exit - entry) * pixels < 1e-2 && pixels > 1e-2;
-            if self.structure.shape.is_joined && leaf.plane.flagged {
+            let patches = self.joined(image, leaf);
+            found.decided &= patches.1;
+            if patches.0.len() > 1 {
+                let patches = &patches.0;
                 let passed = Passed { entry, exit, touched, out_of_volume: found.volume < entry, before: before_until };
-                let told = self.pass_joined(image, track, asked, leaf, &passed);
+                let told = self.pass_joined(patches, track, asked, &passed);
                 before_until = told.before_until;
                 found.decided &= told.decided;
                 if told.is_behind {
@@ -320,7 +330,12 @@ impl<'a> Reference<'a> {
             if let Some(place) = outcome {
                 found.decided &= !touched && place < last + 1e-12;
                 found.take(track, place, leaf.plane, middle, noise, part[1] - part[0]);
-                return found;
+                // Beyond its leaf something nearer may lie, near a discontinuity.
+                if place <= exit || !leaf.plane.flagged || asked.ends_beyond {
+                    return found;
+                }
+                found.decided &= (place - exit) * pixels > 1e-3;
+                last = place;
             }
         }
         found

@@ -8,7 +8,7 @@ use tracebench_kit::{
 };
 use tracebench_shaders::quadtree::Trace;
 
-use crate::description::{Inpainting, QuadtreeParameters, Traversal};
+use crate::description::{Inpainting, QuadtreeParameters, Traversal, WalkFrom};
 use crate::layout::{Forest, MAX_VIEWS, TreeView};
 use crate::structure::QuadtreeStructure;
 pub(crate) use tracebench_shaders::quadtree::QuadtreeSettings;
@@ -62,7 +62,8 @@ impl QuadtreeStructure {
             jitter: parameters.secondary_jitter as f32,
             inverse_sigma: (1.0 / parameters.secondary_sigma) as f32,
             touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
-            padding: [0; 2],
+            from_ancestor: u32::from(parameters.walk_from == WalkFrom::Ancestor),
+            padding: 0,
         }
     }
 

@@ -18,7 +18,7 @@ use super::tests::{LOSSLESS, answer, built_by, hostile, parameters, rectangle, v
 pub(crate) const JOINED: [(&str, &str); 3] = [("patches", "joined"), ("normals", "geometry"), ("discontinuity", "0.5")];
 
 pub(crate) const PUBLISHED: Asked =
-    Asked { next_layer: NextLayer::Volumes, inpaints: false, occlusion_bias: 1.0, start_bias: 1.0 };
+    Asked { next_layer: NextLayer::Volumes, inpaints: false, occlusion_bias: 1.0, start_bias: 1.0, ends_beyond: false };
 
 /// Rays from the eye, from beside it, from anywhere before and beside the view, in all directions; along axes, bounded.
 pub(crate) fn rays(count: usize) -> Vec<Ray> {
@@ -70,6 +70,7 @@ fn rays_are_answered_as_by_brute_force() {
         (with(&[("layers", "1")]), Asked { inpaints: true, ..PUBLISHED }),
         (with(&[("layers", "1"), ("inpainting", "never"), ("dilated", "none")]), PUBLISHED),
         (vec![("gamma_dist", "0.001"), ("gamma_norm", "25"), ("dilated", "all"), ("dilation", "1")], PUBLISHED),
+        (with(&[("dilated", "all"), ("dilation", "1")]), PUBLISHED),
         (
             with(&[("occlusion_bias", "0"), ("start_bias", "4")]),
             Asked { occlusion_bias: 0.0, start_bias: 4.0, ..PUBLISHED },
@@ -106,6 +107,15 @@ fn rays_are_answered_as_by_brute_force() {
             );
         }
         assert!(count(&hits, Status::Hit) > 300, "{settings:?}");
+        // A walk that ends with a hit beyond a node, where what is nearer comes next, answers otherwise.
+        if settings.contains(&("dilated", "all")) {
+            let first = Asked { ends_beyond: true, ..asked };
+            let off = rays.iter().zip(&expected).filter(|(ray, each)| {
+                let other = reference.answer(ray, &first);
+                each.decided && other.decided && (other.t - each.t).abs() > 1e-3 * each.t
+            });
+            assert!(off.count() > 2, "{settings:?}");
+        }
         // Of the layers behind the first some are hit.
         let behind = expected.iter().filter(|each| each.decided && each.layer > 0).count();
         assert!(structure.shape.layers == 1 || behind > 5, "{settings:?}: {behind}");
@@ -160,6 +170,8 @@ fn ways_to_walk_change_no_hit() {
             [("traversal", "stack"), ("rays_per_lane", "1")],
             [("levels", "0"), ("max_steps", "65536")],
             [("levels", "3"), ("traversal", "stack")],
+            [("walk_from", "ancestor"), ("traversal", "stack")],
+            [("walk_from", "ancestor"), ("levels", "3")],
             [("memory_access", "texture"), ("rays_per_lane", "7")],
         ] {
             let found = by(&more);

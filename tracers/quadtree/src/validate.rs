@@ -7,7 +7,7 @@ use tracebench_kit::{Allowed, Fragment, allowed_fragments};
 use crate::description::{Dilated, DistanceIn};
 use crate::images::Images;
 use crate::layout::{Forest, Shape};
-use crate::nodes::{Node, Plane};
+use crate::nodes::{Node, Plane, STEPS};
 use crate::structure::QuadtreeStructure;
 
 /// Pixels of a view that are held against the host's rasterizer at most: every n-th along both axes.
@@ -19,9 +19,6 @@ const ROUNDING: f64 = 4e-6;
 /// Share of a plane's change over a node by which the device's may be off: a stored normal's third component is the root of
 /// what is left of 1, and devices round divisions and roots as they like within a few ulps.
 const SLOPE_ROUNDING: f64 = 1e-6;
-
-/// No plane ends at one beside it.
-const NO_LIMIT: [f64; 2] = [f64::INFINITY; 2];
 
 const BY_LEVEL: [[&str; 2]; 10] = [
     ["plane_leaves_level_0", "empty_leaves_level_0"],
@@ -140,7 +137,7 @@ impl ReadBack<'_> {
             (Node::Empty, None) => true,
             (Node::Plane(plane), Some(depth)) => {
                 let z = self.z_of_depth(depth);
-                (plane.z - z).abs() <= self.rounding(z)
+                (plane.z - z).abs() <= self.rounding(z) && self.ends_rightly(image, pixel, plane)
             }
             _ => false,
         };
@@ -170,13 +167,12 @@ impl ReadBack<'_> {
             })
             .collect();
         let wrong = match node {
-            Node::Plane(plane) if self.shape.is_joined && plane.flagged => Some("is flagged and no pixel".to_owned()),
             Node::Plane(plane) => self.wrong_plane(&plane, &children, edge),
             Node::Empty => {
                 children.iter().any(|(_, child)| *child != Node::Empty).then(|| "hides something".to_owned())
             }
             Node::Box { least, greatest, holes } => {
-                let joined = if self.shape.is_joined && level == 1 { self.min_joined(image, cell) } else { NO_LIMIT };
+                let joined = if level == 1 { self.min_joined(image, cell) } else { f64::INFINITY };
                 self.wrong_box([least, greatest], holes, &children, edge, joined)
             }
         };
@@ -206,6 +202,9 @@ impl ReadBack<'_> {
         for (from_middle, child) in children {
             let Node::Plane(child) = child else { return Some("is a plane over what is none".to_owned()) };
             flagged |= child.flagged;
+            if child.end.or(plane.end).is_some() {
+                return Some("stands for a plane that ends at another".to_owned());
+            }
             let turned = (child.normal - plane.normal).length();
             if turned > angle * (1.0 + 1e-3) + 1e-6 {
                 return Some(format!("is turned from one below by {turned}, more than {angle}"));
@@ -222,33 +221,45 @@ impl ReadBack<'_> {
         (flagged != plane.flagged).then(|| "has another flag than those below".to_owned())
     }
 
-    /// Of four pixels the least z of planes beside them at which theirs end: of those that surely do so, and of all that may.
-    fn min_joined(&self, image: usize, cell: [u32; 2]) -> [f64; 2] {
-        let [width, height] = self.shape.size().map(i64::from);
-        let plane_at = |at: [i64; 2]| {
-            let is_there = (0..width).contains(&at[0]) && (0..height).contains(&at[1]);
-            let node = is_there.then(|| self.node(image, 0, at.map(|at| at as u32)));
-            if let Some(Node::Plane(plane)) = node { Some(plane) } else { None }
-        };
-        let mut least = NO_LIMIT;
-        for pixel in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [2 * cell[0] + x, 2 * cell[1] + y].map(i64::from)) {
-            let Some(own) = plane_at(pixel).filter(|plane| plane.flagged) else { continue };
-            for [x, y] in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
-                let Some(beside) = plane_at([pixel[0] + x, pixel[1] + y]) else { continue };
-                let step = DVec2::new(x as f64, y as f64);
-                let before = (own.z_at(step) - beside.z).min(beside.z_at(-step) - own.z);
-                let change = (own.slope.abs() + beside.slope.abs()).element_sum();
-                let slack = self.rounding(own.z.max(beside.z)) + SLOPE_ROUNDING * change;
-                let there = (beside.z_at(-step) - 0.5 * beside.slope.abs().element_sum()).clamp(0.0, 1.0);
-                if before > slack {
-                    least[0] = least[0].min(there);
-                }
-                if before > -slack {
-                    least[1] = least[1].min(there);
-                }
-            }
+    /// The planes beside a flagged pixel's by side: by how much both lie before each other's middle, how far the pixel's gets before at the
+    /// side, what rounding may make of either, and the other's least z in the pixel.
+    fn beside(&self, image: usize, [x, y]: [u32; 2], own: Plane) -> [Option<[f64; 4]>; 4] {
+        STEPS.map(|[across, down]| {
+            let [width, height] = self.shape.size();
+            let at = [x.checked_add_signed(across)?, y.checked_add_signed(down)?];
+            let node = (at[0] < width && at[1] < height).then(|| self.node(image, 0, at));
+            let Some(Node::Plane(beside)) = node else { return None };
+            let step = DVec2::new(f64::from(across), f64::from(down));
+            let meet = (own.z_at(step) - beside.z).min(beside.z_at(-step) - own.z);
+            let change = (own.slope.abs() + beside.slope.abs()).element_sum();
+            let slack = self.rounding(own.z.max(beside.z)) + SLOPE_ROUNDING * change;
+            let there = (beside.z_at(-step) - 0.5 * beside.slope.abs().element_sum()).clamp(0.0, 1.0);
+            Some([meet, own.z_at(0.5 * step) - beside.z_at(-0.5 * step), slack, there])
+        })
+    }
+
+    /// Whether a pixel's plane ends at that of the neighbour before which it gets most, as far as rounding lets it.
+    fn ends_rightly(&self, image: usize, pixel: [u32; 2], own: Plane) -> bool {
+        let all = self.beside(image, pixel, own);
+        let surely = all.iter().flatten().filter(|[meet, before, slack, _]| meet > slack && before > slack);
+        let most = surely.map(|[_, before, slack, _]| before - slack).fold(0.0, f64::max);
+        match own.end {
+            _ if !self.shape.is_joined || !own.flagged => own.end.is_none(),
+            None => most == 0.0,
+            Some(side) => all[side].is_some_and(|[meet, before, slack, _]| meet > -slack && before + slack >= most),
         }
-        least
+    }
+
+    /// The least z of the planes at which those of four pixels end.
+    fn min_joined(&self, image: usize, [x, y]: [u32; 2]) -> f64 {
+        let size = self.shape.size();
+        let pixels = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| [2 * x + right, 2 * y + down]);
+        let of = |pixel: [u32; 2]| {
+            let node = (pixel[0] < size[0] && pixel[1] < size[1]).then(|| self.node(image, 0, pixel));
+            let Some(Node::Plane(own)) = node else { return None };
+            self.beside(image, pixel, own)[own.end?].map(|[.., there]| there)
+        };
+        pixels.into_iter().filter_map(of).fold(f64::INFINITY, f64::min)
     }
 
     fn wrong_box(
@@ -257,7 +268,7 @@ impl ReadBack<'_> {
         holes: bool,
         children: &[(DVec2, Node)],
         edge: f64,
-        joined: [f64; 2],
+        joined: f64,
     ) -> Option<String> {
         let (mut least, mut greatest, mut has_holes, mut slack) = (f64::INFINITY, f64::NEG_INFINITY, false, 0.0_f64);
         for (_, child) in children {
@@ -279,12 +290,9 @@ impl ReadBack<'_> {
             };
             (least, greatest) = (least.min(range[0]), greatest.max(range[1]));
         }
-        // A plane that may or may not end at one beside it, as devices round, lets the box begin at either.
-        let [sure, possible] = joined.map(|joined| least.min(joined));
-        let fits = |stored: f64, [low, high]: [f64; 2]| {
-            stored >= low - self.rounding(low) - slack && stored <= high + self.rounding(high) + slack
-        };
-        if !fits(stored[0], [possible, sure]) || !fits(stored[1], [greatest; 2]) {
+        least = least.min(joined);
+        let fits = |stored: f64, told: f64| (stored - told).abs() <= self.rounding(told) + slack;
+        if !fits(stored[0], least) || !fits(stored[1], greatest) {
             return Some(format!("does not go from {least} to {greatest}"));
         }
         (holes != has_holes).then(|| "says otherwise of holes than those below".to_owned())

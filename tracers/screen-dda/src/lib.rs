@@ -16,6 +16,9 @@
 //!   limit are the same bit for bit. With several layers each has a pyramid, and samples are skipped where none can hit: layers
 //!   with pyramids are what Hofmann, Bogendoerfer, Stamminger and Selgrad, *Hierarchical Multi-Layer Screen-Space Ray Tracing*,
 //!   HPG 2017, combine; of that paper no more than the abstract was at hand, so how it is done here is this suite's own.
+//! - `march = cells`: Uludag's own march, over cells of the pyramid down to every pixel that the ray crosses. With it there are
+//!   `from_behind = pass`, by which a ray only hits what it was before a pixel ago (engines reject such hits by normals: AMD, FidelityFX
+//!   SSSR), and `depth_clip`. The preset `improved` has all of it, hits at the stored depth and thickness as a share of depth.
 //!
 //! Surfaces: hits name no triangle. A trace that ends at surfaces draws the view once more with the triangles' numbers, in
 //! the trace's own time (each layer), and takes normal and material from the triangle at the pixel where a hit was found; its position is

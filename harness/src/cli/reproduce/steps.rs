@@ -1,9 +1,10 @@
 //! What `reproduce` measures, in order of weight.
 
+use itertools::Itertools as _;
 use tracebench_api::Domain;
 
 use crate::papers::{Experiment, PAPERS};
-use crate::registry::{Family, TRACERS};
+use crate::registry::{Family, Registration, TRACERS};
 
 /// A measurement by one of the program's own verbs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub(super) fn steps(whole: bool, on_hardware: bool) -> Vec<Step> {
     let mut steps = Vec::new();
     if !whole && on_hardware {
         let scenes = ["--scene", HARDWARE_SCENES, "--samples", ENOUGH_ROUNDS];
-        let tracers = format!("all,all:improved,{}", builders().join(","));
+        let tracers = format!("all,all:improved,{}", builders(|_| true));
         let run = ["run", "--rays", "primary,diffuse", "--tracer", &tracers];
         steps.push(Step::new("builds-and-frames", &[&run[..], &scenes].concat()));
         steps.push(Step::new("front", &[&["pareto", "--rays", RAYS, "--points", "2"], &scenes[..]].concat()));
@@ -56,22 +57,23 @@ pub(super) fn steps(whole: bool, on_hardware: bool) -> Vec<Step> {
     if whole {
         steps.push(Step::new("needs", &["need", "--scene", SCENE, "--rays", RAYS]));
     }
-    steps.push(Step::new("scenes", &["run", "--scene", "all", "--tracer", "all,all:improved", "--rays", "all"]));
+    let tracers = format!("all,all:improved,{}", builders(|family| family == Family::Bvh));
+    steps.push(Step::new("scenes", &["run", "--scene", "all", "--tracer", &tracers, "--rays", "all"]));
     steps.extend(tables().map(|name| Step::new(name, &["table", name])));
     steps.push(Step::new("fronts-of-all-scenes", &["pareto", "--scene", "all", "--rays", RAYS]));
     steps
 }
 
 /// Other ways to build: image-space structures in compute in the place of the rasterizer, hierarchies by their quickest builder.
-fn builders() -> Vec<String> {
-    let of = |registration: &crate::registry::Registration| {
+fn builders(is_of: impl Fn(Family) -> bool) -> String {
+    let of = |registration: &Registration| {
         let description = (registration.describe)();
-        let build = description.parameters.into_iter().find(|parameter| parameter.name == "build")?;
+        let build = description.parameters.into_iter().find(|parameter| ["build", "tree"].contains(&parameter.name))?;
         let Domain::Choice(values) = build.domain else { return None };
         let value = if registration.family == Family::Bvh { values.first() } else { values.last() };
-        Some(format!("{}@build={}", description.name, value?))
+        Some(format!("{}@{}={}", description.name, build.name, value?))
     };
-    TRACERS.iter().filter_map(of).collect()
+    TRACERS.iter().filter(|registration| is_of(registration.family)).filter_map(of).join(",")
 }
 
 /// The tables and figures that stand beside published ones: of every paper the first, then of every paper the second, and so on.
@@ -129,14 +131,12 @@ mod tests {
     /// Proves that what hardware alone can tell has every rasterized structure built in compute as well, and quick hierarchies.
     #[test]
     fn builds_are_by_raster_and_in_compute() {
-        let builders = builders();
-        for wanted in ["dirt@build=compute", "quadtree@build=compute", "bvh-cpu@build=fastest", "bvh-gpu@build=fastest"]
-        {
-            assert!(builders.iter().any(|found| found == wanted), "{wanted}: {builders:?}");
+        let all = builders(|_| true);
+        let hierarchies = ["bvh-cpu@build=fastest", "bvh-gpu@build=fastest", "ploc-gpu@tree=lbvh"];
+        for wanted in hierarchies.iter().chain(&["dirt@build=compute", "quadtree@build=compute"]) {
+            assert!(all.split(',').any(|found| found == *wanted), "{wanted}: {all}");
         }
-        for name in &builders {
-            let tracers = crate::cli::names::tracers(name, &[]);
-            assert!(tracers.is_ok(), "{name}");
-        }
+        assert_eq!(builders(|family| family == Family::Bvh), hierarchies.join(","));
+        assert!(crate::cli::names::tracers(&all, &[]).is_ok(), "{all}");
     }
 }

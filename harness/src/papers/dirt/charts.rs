@@ -93,15 +93,23 @@ pub(super) fn mixes(page: &Page<'_>) -> Vec<SeriesChart> {
 
 fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
     let steps = resolutions(std::slice::from_ref(scene));
-    let tracers: Vec<&str> = scene.rows.iter().map(|row| row.tracer.name.as_str()).unique().collect();
+    // Of DIRT the tiles' size differs from step to step.
+    let label = |row: &Row| if row.tracer.name == "dirt" { "dirt".to_owned() } else { row.tracer.label() };
+    let tracers: Vec<String> = scene.rows.iter().map(|row| label(row)).unique().collect();
     let values = |tracer: &str, of: &dyn Fn(&Row) -> Option<f64>| {
-        let at = |image: &[u32; 2]| scene.of_tracer(tracer).find(|row| row.viewpoint.ray_image == *image).and_then(of);
+        let at = |image: &[u32; 2]| {
+            scene
+                .rows
+                .iter()
+                .find(|row| label(row) == tracer && row.viewpoint.ray_image == *image)
+                .and_then(|row| of(row))
+        };
         steps.iter().map(at).collect::<Vec<_>>()
     };
     let panels = MIXES.iter().map(|(name, mix)| {
         let lines = tracers.iter().flat_map(|tracer| {
             let traced = |row: &Row| Some(total_ms(row, mix)? - host_ms(row.build.steady())?);
-            let line = |values, dashed| Series { label: (*tracer).to_owned(), values, dashed };
+            let line = |values, dashed| Series { label: tracer.clone(), values, dashed };
             [line(values(tracer, &traced), false), line(values(tracer, &|row| host_ms(row.build.steady())), true)]
         });
         SeriesPanel {

@@ -2,7 +2,7 @@
 
 use tracebench_api::TraceTo;
 
-use super::{ABUFFER, abuffer, charts, sections};
+use super::{ABUFFER, BUILT_ON_DEVICE, abuffer, charts, sections};
 use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Step, at, at_time, peer, stands_for};
 use crate::papers::page::beside::beside;
 use crate::papers::wkp15::quadtree;
@@ -97,7 +97,7 @@ const FIGURE11: Experiment = Experiment {
         &[
             abuffer(&[("thickness", &["0"])]),
             abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
-            peer("lbvh-gpu"),
+            BUILT_ON_DEVICE,
             peer("bvh-gpu"),
             peer("bvh-cpu"),
             peer("ray-query"),
@@ -106,7 +106,7 @@ const FIGURE11: Experiment = Experiment {
     launch: true,
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
-        "lbvh-gpu, built on the device, stands for TRBVH; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
+        "ploc-gpu, built on the device, stands for TRBVH, by the quicker tree; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
          is OptiX.",
         "One bounce is the set diffuse. The paper states no thickness; one of 0 is its section 3.4's, the other row's stands in its \
          label.",

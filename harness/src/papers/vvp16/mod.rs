@@ -50,6 +50,13 @@ pub(super) const fn abuffer(values: Values) -> ExperimentRow {
     ExperimentRow { tracer: ABUFFER, values }
 }
 
+/// The hierarchy that is built on the device, in place of TRBVH.
+pub(super) const TRBVH: &str = "ploc-gpu";
+
+/// It, by both trees.
+pub(super) const BUILT_ON_DEVICE: ExperimentRow =
+    ExperimentRow { tracer: TRBVH, values: &[("tree", &["ploc", "lbvh"])] };
+
 /// Its tracer's row with these values, and else those of its first row.
 pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a Row> {
     scene.like_first(ABUFFER, values)

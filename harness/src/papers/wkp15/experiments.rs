@@ -261,7 +261,7 @@ const FIGURE15: Experiment = Experiment {
 
 const FEW_CAMERAS: &[(&str, &str)] = &[("light_field_cameras", "4")];
 const BESIDE_HIERARCHIES: &[ExperimentRow] =
-    &[quadtree(&[("layers", LAYERS)]), peer("lbvh-gpu"), peer("bvh-gpu"), peer("ray-query")];
+    &[quadtree(&[("layers", LAYERS)]), peer("ploc-gpu"), peer("bvh-gpu"), peer("ray-query")];
 
 /// Section 5.3.
 const LIGHT_FIELD: Experiment = Experiment {
@@ -276,7 +276,7 @@ const LIGHT_FIELD: Experiment = Experiment {
     notes: &[
         "The cameras divide one image among them, so that the number of rays stays. The paper has a view of each eye and does not state how \
          many images the display takes; here there is one view.",
-        "lbvh-gpu, bvh-gpu and ray-query stand for OptiX.",
+        "ploc-gpu, bvh-gpu and ray-query stand for OptiX.",
     ],
     ..Experiment::DEFAULT
 };

@@ -3,7 +3,7 @@
 use tracebench_api::glam::DVec2;
 
 use super::{Asked, Leaf, NOWHERE, Reference, Track};
-use crate::nodes::Plane;
+use crate::nodes::{Plane, STEPS};
 
 /// A ray's way through a pixel: its places, whether it just touches a corner, whether it comes out of a volume, and where it left the
 /// pixel before close before what is shown there, and whether that is decided.
@@ -25,25 +25,33 @@ pub(super) struct Joined {
 }
 
 impl Reference<'_> {
-    /// A pixel's own plane with its middle, and those beside it at which it ends; whether it is decided which these are.
-    fn joined(&self, image: usize, leaf: &Leaf) -> (Vec<(Plane, DVec2)>, bool) {
+    /// A pixel's own plane with its middle, and that beside it at which it ends: of several that before which it gets most; and whether it
+    /// is decided which that is.
+    pub(super) fn joined(&self, image: usize, leaf: &Leaf) -> (Vec<(Plane, DVec2)>, bool) {
         let [width, height] = self.structure.shape.size().map(f64::from);
         let (own, middle) = (leaf.plane, (leaf.low + leaf.high) / 2.0);
-        let (mut all, mut decided) = (vec![(own, middle)], leaf.high.x - leaf.low.x == 1.0);
-        for step in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
+        let (mut all, mut decided, mut most) = (vec![(own, middle)], true, 0.0);
+        if !self.structure.shape.is_joined || !own.flagged || leaf.high.x - leaf.low.x > 1.0 {
+            return (all, decided);
+        }
+        for step in STEPS.map(|[x, y]| DVec2::new(f64::from(x), f64::from(y))) {
             let at = leaf.low + step;
             if at.min_element() < 0.0 || at.x >= width || at.y >= height {
                 continue;
             }
             let Some(beside) = self.planes[image][(at.y * width + at.x) as usize] else { continue };
             let [theirs, ours] = [own.z_at(step) - beside.z, beside.z_at(-step) - own.z];
-            if theirs > 0.0 && ours > 0.0 {
-                all.push((beside, middle + step));
-            }
             // Where the neighbour's centre lies on this plane both meet there, out of this pixel; and one plane ends nowhere.
             let turned = 0.5 * (own.slope - beside.slope).abs().element_sum();
             let noise = self.noise(own.z, &beside);
             decided &= ours.abs() > noise || theirs < -self.noise(own.z, &own) || turned < noise;
+            let before = own.z_at(0.5 * step) - beside.z_at(-0.5 * step);
+            if theirs > 0.0 && ours > 0.0 && before > 0.0 {
+                decided &= (before - most).abs() > noise || turned < noise;
+                if before > most {
+                    (most, all) = (before, vec![(own, middle), (beside, middle + step)]);
+                }
+            }
         }
         (all, decided)
     }
@@ -51,13 +59,12 @@ impl Reference<'_> {
     /// What a ray meets in a pixel whose plane ends at those beside it: it is behind what is shown where it is behind all.
     pub(super) fn pass_joined(
         &self,
-        image: usize,
+        patches: &[(Plane, DVec2)],
         track: &Track,
         asked: &Asked,
-        leaf: &Leaf,
         passed: &Passed,
     ) -> Joined {
-        let (patches, mut decided) = self.joined(image, leaf);
+        let mut decided = true;
         let Passed { entry, exit, .. } = *passed;
         let behind =
             |(plane, middle): &(Plane, DVec2), place: f64| plane.z_at(track.at(place) - *middle) - track.z(place);

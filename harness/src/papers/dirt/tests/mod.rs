@@ -275,8 +275,8 @@ fn resolutions_are_told_apart() {
     };
     let record = run_of(vec![
         row("dirt", 10, 5.0, [4.0, 1.0, 1.0]),
-        row("lbvh-gpu", 10, 20.0, [2.0, 1.0, 0.5]),
-        row("lbvh-gpu", 20, 18.0, [8.0, 2.0, 1.0]),
+        row("ploc-gpu", 10, 20.0, [2.0, 1.0, 0.5]),
+        row("ploc-gpu", 20, 18.0, [8.0, 2.0, 1.0]),
         row("dirt", 20, 6.0, [34.0, 3.0, 2.0]),
     ]);
     assert!((value("diffuse_slope_over_bvh", &record) - 5.0).abs() < 1e-9);

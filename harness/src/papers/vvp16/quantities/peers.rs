@@ -4,13 +4,13 @@ use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{Quantity, greatest, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, footprint, trace};
 use crate::papers::times::{ratio, traced};
-use crate::papers::vvp16::{ABUFFER, row};
+use crate::papers::vvp16::{ABUFFER, TRBVH, row};
 use crate::results::{Row, Timed};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    timed_of_scene("lbvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, TRBVH)),
+    timed_of_scene("device_bvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, TRBVH)),
     timed_of_scene("bvh_build_over_abuffer", "", |scene| build_over_abuffer(scene, SBVH)),
-    timed_of_scene("abuffer_trace_over_lbvh", "", |scene| trace_over(scene, TRBVH)),
+    timed_of_scene("abuffer_trace_over_device_bvh", "", |scene| trace_over(scene, TRBVH)),
     timed_of_scene("abuffer_trace_over_bvh", "", |scene| trace_over(scene, SBVH)),
     timed_of_scene("min_bvh_total_over_abuffer", "", min_bvh_total_over_abuffer),
     timed_of_scene("break_even_samples", "samples", break_even_samples),
@@ -18,41 +18,37 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("abuffer_footprint_agreement", "", footprint_agreement),
 ];
 
-/// The hierarchy built on the device, in place of TRBVH.
-const TRBVH: &str = "lbvh-gpu";
 /// The hierarchy built on the host, in place of SBVH.
 const SBVH: &str = "bvh-gpu";
 
-fn beside<'a>(scene: &SceneRows<'a>, hierarchy: &str) -> Option<[&'a Row; 2]> {
-    Some([row(scene, &[])?, scene.find(hierarchy, &[])?])
+/// The A-buffer beside these hierarchies, each by every tree that it has.
+fn beside<'a>(scene: &SceneRows<'a>, hierarchies: &[&str]) -> impl Iterator<Item = [&'a Row; 2]> {
+    let trees = hierarchies.iter().flat_map(|hierarchy| scene.differing_in(hierarchy, &["tree"]));
+    trees.filter_map(|bvh| Some([row(scene, &[])?, bvh]))
 }
 
-/// Build of a hierarchy over that of the A-buffer.
+/// Build of a hierarchy, by the quickest tree, over that of the A-buffer.
 fn build_over_abuffer(scene: &SceneRows<'_>, hierarchy: &str) -> Option<Estimate> {
-    let [abuffer, bvh] = beside(scene, hierarchy)?;
-    scene.build_ratio(bvh, abuffer)
+    Estimate::least(beside(scene, &[hierarchy]).filter_map(|[abuffer, bvh]| scene.build_ratio(bvh, abuffer)))
 }
 
-/// Time of diffuse rays in the A-buffer over that in a hierarchy.
+/// Time of diffuse rays in the A-buffer over that in a hierarchy, by the fastest tree.
 fn trace_over(scene: &SceneRows<'_>, hierarchy: &str) -> Option<Estimate> {
-    let [abuffer, bvh] = beside(scene, hierarchy)?;
-    scene.trace_ratio(abuffer, bvh, "diffuse")
+    Estimate::greatest(
+        beside(scene, &[hierarchy]).filter_map(|[abuffer, bvh]| scene.trace_ratio(abuffer, bvh, "diffuse")),
+    )
 }
 
 /// Build and trace of the better hierarchy over those of the A-buffer.
 fn min_bvh_total_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let ratio = |hierarchy: &&str| {
-        let [abuffer, bvh] = beside(scene, hierarchy)?;
-        scene.total_ratio(bvh, abuffer, &[("diffuse", 1.0)])
-    };
-    Estimate::least([TRBVH, SBVH].iter().filter_map(ratio))
+    let ratio = |[abuffer, bvh]: [&Row; 2]| scene.total_ratio(bvh, abuffer, &[("diffuse", 1.0)]);
+    Estimate::least(beside(scene, &[TRBVH, SBVH]).filter_map(ratio))
 }
 
 /// Traces a frame from which on the hierarchy that gets there first takes no longer for build and traces; 0 where it builds no
 /// slower or traces no faster, so that there is nothing to repay or nothing to repay it with.
 fn break_even_samples(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let samples = |hierarchy: &&str| {
-        let [abuffer, bvh] = beside(scene, hierarchy)?;
+    let samples = |[abuffer, bvh]: [&Row; 2]| {
         // All in parts of a trace in the A-buffer.
         let trace = traced(abuffer, "diffuse")?;
         let part = |timed: &Timed<'_>| ratio(scene.record, timed, &trace);
@@ -69,7 +65,7 @@ fn break_even_samples(scene: &SceneRows<'_>) -> Option<Estimate> {
             false => Estimate { interval: [0.0, f64::INFINITY], ..found },
         })
     };
-    Estimate::least([TRBVH, SBVH].iter().filter_map(samples))
+    Estimate::least(beside(scene, &[TRBVH, SBVH]).filter_map(samples))
 }
 
 /// Footprint agreement of diffuse rays, the best over the rows.

@@ -240,10 +240,10 @@ fn hierarchies_stand_beside() {
         record
     };
     let abuffer = || row("fragment-abuffer", 10.0, 36.0, 0.9);
-    let record = run_of(vec![abuffer(), row("lbvh-gpu", 148.0, 18.0, 1.0), row("bvh-gpu", 2183.0, 16.0, 1.0)]);
-    close(value("lbvh_build_over_abuffer", &record), 14.8);
+    let record = run_of(vec![abuffer(), row("ploc-gpu", 148.0, 18.0, 1.0), row("bvh-gpu", 2183.0, 16.0, 1.0)]);
+    close(value("device_bvh_build_over_abuffer", &record), 14.8);
     close(value("bvh_build_over_abuffer", &record), 218.3);
-    close(value("abuffer_trace_over_lbvh", &record), 2.0);
+    close(value("abuffer_trace_over_device_bvh", &record), 2.0);
     close(value("abuffer_trace_over_bvh", &record), 2.25);
     close(value("min_bvh_total_over_abuffer", &record), 166.0 / 46.0);
     close(value("break_even_samples", &record), 138.0 / 18.0);
@@ -253,9 +253,9 @@ fn hierarchies_stand_beside() {
     close(value("abuffer_footprint_agreement", &record), 0.9);
     close(value("abuffer_footprint_agreement", &run_of([record.rows, vec![thick]].concat())), 0.97);
     for (build, ms) in [(5.0, 18.0), (148.0, 40.0), (5.0, 40.0)] {
-        close(value("break_even_samples", &run_of(vec![abuffer(), row("lbvh-gpu", build, ms, 1.0)])), 0.0);
+        close(value("break_even_samples", &run_of(vec![abuffer(), row("ploc-gpu", build, ms, 1.0)])), 0.0);
     }
-    assert!(values("lbvh_build_over_abuffer", &run_of(vec![abuffer()])).is_empty());
+    assert!(values("device_bvh_build_over_abuffer", &run_of(vec![abuffer()])).is_empty());
 }
 
 /// Figure 12 of a scene: plain 6 ms, decoupled as given first, with skipping as given second, times a factor a storage.

@@ -12,7 +12,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 ];
 
 pub(in crate::papers::wkp15) const RAYS: &str = "light-field";
-const HIERARCHIES: [&str; 3] = ["lbvh-gpu", "bvh-gpu", "ray-query"];
+const HIERARCHIES: [&str; 3] = ["ploc-gpu", "bvh-gpu", "ray-query"];
 
 /// The rows with so many cameras a side.
 fn of_cameras<'a>(scene: &SceneRows<'a>, cameras: &str) -> SceneRows<'a> {

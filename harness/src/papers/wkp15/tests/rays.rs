@@ -157,7 +157,7 @@ fn light_fields_are_compared() {
     };
     let rows = vec![
         row("quadtree", 4.0, 10.0),
-        row("lbvh-gpu", 4.0, 40.0),
+        row("ploc-gpu", 4.0, 40.0),
         row("bvh-gpu", 4.0, 36.0),
         row("quadtree", 16.0, 11.0),
         row("bvh-gpu", 16.0, 1.0),

@@ -1,4 +1,4 @@
-//! The registration of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
+//! The registration of `ploc-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
 
 use super::table::{improved, published, switches};
 use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Table};
@@ -7,15 +7,15 @@ pub(crate) const REGISTRATION: Registration = Registration {
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
     ablation: Some(&ABLATION),
     touches: OF_HIERARCHIES,
-    ..Registration::analytic(tracebench_bvh::lbvh_description, Family::Bvh, |gpu| {
-        Ok(Box::new(tracebench_bvh::LbvhGpu::new(gpu?)?))
+    ..Registration::analytic(tracebench_bvh::ploc_description, Family::Bvh, |gpu| {
+        Ok(Box::new(tracebench_bvh::PlocGpu::new(gpu?)?))
     })
 };
 
-/// Fewer neighbours early, late and throughout, of both kinds of nodes.
+/// Fewer neighbours early, late and throughout, and none, of both kinds of nodes.
 const ABLATION: Table = switches(
-    "lbvh-gpu-ablation",
-    "how far PLOC++ looks for neighbours, as published and improved: builds, traces, bytes, accuracy, counters",
+    "ploc-gpu-ablation",
+    "how far PLOC++ looks for neighbours, as published and improved, and the radix tree of LBVH: builds, traces, bytes, accuracy, counters",
     "primary,diffuse",
     &[
         published(&[]),
@@ -27,5 +27,7 @@ const ABLATION: Table = switches(
         improved(&[("search_radius", "16")]),
         published(&[("node", "bvh2")]),
         improved(&[("node", "bvh2")]),
+        published(&[("tree", "lbvh")]),
+        published(&[("tree", "lbvh"), ("node", "bvh2")]),
     ],
 );

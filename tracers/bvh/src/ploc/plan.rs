@@ -3,14 +3,15 @@
 use tracebench_api::wgpu::{self, BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    GrowableBuffer, MemoryAccess, RadixSortPlan, ReadSlot, Readable, bind_group_at, dispatch_linear, record_copies,
+    GrowableBuffer, RadixSortPlan, ReadSlot, Readable, bind_group_at, dispatch_linear, record_copies,
 };
 
 use super::buffers::{BuildBuffers, HINT};
+use super::description::{PlocParameters, TreeKind};
 use super::iterations::{Bound, bounds};
 use super::kernels::{
-    BuildSettings, CODE_BITS, ClusterIteration, ConversionLevel, Kernels, RUN, RefitStage, SEARCHED, WORKGROUP_SIZE,
-    build_settings,
+    Blocks, BuildSettings, CODE_BITS, ClusterIteration, ConversionLevel, Kernels, RAISED, RUN, RefitStage, SEARCHED,
+    WORKGROUP_SIZE, build_settings,
 };
 use crate::gpu::WIDE_STACK;
 use crate::gpu::description::NodeKind;
@@ -37,6 +38,7 @@ pub(super) struct Plan {
     pub(super) sort: RadixSortPlan,
     /// What is searched: nodes of the kind, triangles in the order of the leaves.
     pub(super) arrays: [Readable; 2],
+    tree: TreeKind,
     bounds: Vec<Bound>,
     search_radius: u32,
     early_radius: u32,
@@ -81,13 +83,12 @@ impl Plan {
     /// Makes room for a build, in the buffers of `there` where these are large enough.
     pub(super) fn new(
         kernels: &Kernels,
-        kind: NodeKind,
-        memory_access: MemoryAccess,
+        parameters: &PlocParameters,
         triangle_count: u32,
-        [search_radius, early_radius]: [u32; 2],
         there: Option<&Plan>,
     ) -> Result<Self, TracerError> {
         let gpu = &*kernels.gpu;
+        let &PlocParameters { node: kind, tree, memory_access, search_radius, early_search_radius, .. } = parameters;
         let buffers = BuildBuffers::new(gpu, kind, memory_access, triangle_count, there.map(|there| &there.buffers))?;
         let (codes, order) = (&buffers.codes.buffer, &buffers.order.buffer);
         let sort = kernels.sort.plan(gpu, codes, order, triangle_count, CODE_BITS, there.map(|there| &there.sort))?;
@@ -98,14 +99,18 @@ impl Plan {
         let nodes = array(NODES_SLOT, buffers.wide.as_ref().unwrap_or(&buffers.binary), kind.name())?;
         let arrays = [nodes, array(TRIANGLES_SLOT, &buffers.triangles, TRIANGLES)?];
         let bounds = bounds(triangle_count);
-        Ok(Self { kind, triangle_count, buffers, sort, arrays, bounds, search_radius, early_radius })
+        let early_radius = early_search_radius;
+        Ok(Self { kind, triangle_count, buffers, sort, arrays, tree, bounds, search_radius, early_radius })
     }
 
     /// Bytes of the uniforms of a build, which are kept until it is done.
     pub(super) fn uniform_bytes(&self) -> u64 {
-        let iterations = (self.bounds.len() + 1) * size_of::<ClusterIteration>();
+        let tree = match self.tree {
+            TreeKind::Clustered => (self.bounds.len() + 1) * size_of::<ClusterIteration>(),
+            TreeKind::Radix => (self.raised().count() + 1) * size_of::<Blocks>(),
+        };
         let levels = if self.kind == NodeKind::Wide { WIDE_STACK * size_of::<ConversionLevel>() } else { 0 };
-        (size_of::<BuildSettings>() + iterations + levels) as u64
+        (size_of::<BuildSettings>() + tree + levels) as u64
     }
 
     /// Records a build.
@@ -119,24 +124,13 @@ impl Plan {
         let gpu = &*kernels.gpu;
         let scene = scene(gpu, geometry)?;
         let settings = uniform(gpu, "build settings", &build_settings(geometry, scale))?;
-        let BuildBuffers { triangles, binary, progress, codes, order, clusters, .. } = &self.buffers;
+        let BuildBuffers { triangles, progress, codes, order, .. } = &self.buffers;
         let count = self.triangle_count;
         let (positions, indices) = (&scene.positions, &scene.indices);
         let encode = [(0, &settings), (1, positions), (2, indices), (3, &codes.buffer), (4, &order.buffer)];
         let encode = step(gpu, &kernels.encode, &encode, count);
-        let place = [
-            (0, &settings),
-            (1, positions),
-            (2, indices),
-            (3, &codes.buffer),
-            (4, &order.buffer),
-            (5, &clusters[0].buffer),
-            (6, &binary.buffer),
-            (7, &triangles.buffer),
-            (8, &progress.buffer),
-        ];
-        let place = step(gpu, &kernels.place, &place, count);
-        let iterations = self.iterations(kernels)?;
+        let place = self.place(kernels, scene, &settings);
+        let tree = self.tree(kernels)?;
         let levels = self.conversion(kernels)?;
         let fill = [(0, &settings), (1, positions), (2, indices), (7, &triangles.buffer)];
         let fill = step(gpu, &kernels.fill, &fill, count);
@@ -147,12 +141,62 @@ impl Plan {
         })?;
         clock.device_phase("radix sort", |encoder| kernels.sort.record(encoder, &self.sort))?;
         clock.device_phase("leaves", |encoder| place.record(encoder))?;
-        clock.device_phase("cluster", |encoder| iterations.iter().for_each(|step| step.record(encoder)))?;
+        let name = if self.tree == TreeKind::Radix { "radix tree" } else { "cluster" };
+        clock.device_phase(name, |encoder| tree.iter().for_each(|step| step.record(encoder)))?;
         if self.kind == NodeKind::Wide {
             clock.device_phase("convert to CWBVH", |encoder| levels.iter().for_each(|step| step.record(encoder)))?;
         }
         clock.device_phase("order triangles", |encoder| fill.record(encoder))?;
         record_copies(&self.arrays, clock)
+    }
+
+    /// Leaves along the curve.
+    fn place<'a>(&self, kernels: &'a Kernels, scene: &DeviceGeometry, settings: &Buffer) -> Step<'a> {
+        let BuildBuffers { triangles, binary, progress, codes, order, clusters, .. } = &self.buffers;
+        let place = [
+            (0, settings),
+            (1, &scene.positions),
+            (2, &scene.indices),
+            (3, &codes.buffer),
+            (4, &order.buffer),
+            (5, &clusters[0].buffer),
+            (6, &binary.buffer),
+            (7, &triangles.buffer),
+            (8, &progress.buffer),
+        ];
+        step(&kernels.gpu, &kernels.place, &place, self.triangle_count)
+    }
+
+    /// From leaves to pairs of siblings.
+    fn tree<'a>(&self, kernels: &'a Kernels) -> Result<Vec<Step<'a>>, TracerError> {
+        match self.tree {
+            TreeKind::Clustered => self.iterations(kernels),
+            TreeKind::Radix => self.radix_tree(kernels),
+        }
+    }
+
+    /// Levels of blocks from which others are raised: those that have two blocks.
+    fn raised(&self) -> impl Iterator<Item = u32> {
+        let count = self.triangle_count;
+        (0..u32::BITS - 1).step_by(RAISED as usize).take_while(move |level| count >> (level + 1) > 0)
+    }
+
+    /// Boxes of blocks, level by level, then all pairs at once.
+    fn radix_tree<'a>(&self, kernels: &'a Kernels) -> Result<Vec<Step<'a>>, TracerError> {
+        let gpu = &*kernels.gpu;
+        let BuildBuffers { binary, codes, clusters, .. } = &self.buffers;
+        let triangle_count = self.triangle_count;
+        let settings = |level| uniform(gpu, "blocks", &Blocks { triangle_count, level });
+        let [leaves, blocks] = [(2, &clusters[0].buffer), (3, &clusters[1].buffer)];
+        let raise = |level: u32| {
+            let lanes = (triangle_count >> (level + 1)).div_ceil(1 << (RAISED - 1));
+            Ok(step(gpu, &kernels.raise, &[(0, &settings(level)?), leaves, blocks], lanes))
+        };
+        let mut steps = self.raised().map(raise).collect::<Result<Vec<_>, TracerError>>()?;
+        let link = if self.kind == NodeKind::Wide { &kernels.link_wide } else { &kernels.link_binary };
+        let all = [(0, &settings(0)?), (1, &codes.buffer), leaves, blocks, (4, &binary.buffer)];
+        steps.push(step(gpu, link, &all, triangle_count - 1));
+        Ok(steps)
     }
 
     /// The kernels of every iteration; what they start with has a bound on the host, and lanes beyond what there is end at
@@ -223,7 +267,7 @@ impl Plan {
         (0..WIDE_STACK).map(level).collect()
     }
 
-    /// Records a refit: triangles, then boxes from the leaves up.
+    /// Records a refit: triangles, then boxes from the leaves up. Pairs of a radix tree are made again, of the codes that are there.
     pub(super) fn refit(
         &self,
         kernels: &Kernels,
@@ -252,6 +296,9 @@ impl Plan {
                 ];
                 steps.push(step(gpu, &kernels.refit_wide, &resources, self.level_lanes(level)));
             }
+        } else if self.tree == TreeKind::Radix {
+            steps.push(self.place(kernels, scene, &settings));
+            steps.extend(self.tree(kernels)?);
         } else {
             let shared = [(1, &progress.buffer), (2, &triangles.buffer), (3, &binary.buffer)];
             for (index, bound) in self.bounds.iter().enumerate() {

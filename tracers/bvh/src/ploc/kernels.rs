@@ -6,9 +6,9 @@ use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Geometry, Gpu, TracerError};
 use tracebench_kit::{RadixSort, compute_pipeline};
 pub(crate) use tracebench_shaders::bvh::{
-    BuildSettings, Iteration as ClusterIteration, Level as ConversionLevel, Stage as RefitStage,
+    Blocks, BuildSettings, Iteration as ClusterIteration, Level as ConversionLevel, Stage as RefitStage,
 };
-use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES, Refit};
+use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES, RadixTree, Refit};
 
 /// As `WORKGROUP_SIZE` in shaders/bvh.
 pub(super) const WORKGROUP_SIZE: u32 = 64;
@@ -24,6 +24,9 @@ pub(super) const RUN: u32 = 16;
 
 /// `SEARCHED` there.
 pub(super) const SEARCHED: u32 = 8;
+
+/// `RAISED` of shaders/bvh/radix_tree.wgsl.
+pub(super) const RAISED: u32 = 4;
 
 /// `FINISHED` of shaders/bvh/build.wgsl.
 pub(super) const FINISHED: usize = 128;
@@ -81,6 +84,9 @@ pub(super) struct Kernels {
     pub(super) fill: ComputePipeline,
     pub(super) cluster_binary: ClusterKernels,
     pub(super) cluster_wide: ClusterKernels,
+    pub(super) raise: ComputePipeline,
+    pub(super) link_binary: ComputePipeline,
+    pub(super) link_wide: ComputePipeline,
     pub(super) convert: ComputePipeline,
     pub(super) refit_binary: ComputePipeline,
     pub(super) refit_binary_last: ComputePipeline,
@@ -98,6 +104,9 @@ impl Kernels {
             fill: leaves("fill")?,
             cluster_binary: ClusterKernels::new(&gpu, Cluster { wide: false })?,
             cluster_wide: ClusterKernels::new(&gpu, Cluster { wide: true })?,
+            raise: compute_pipeline(&gpu, RadixTree { wide: false }, "raise")?,
+            link_binary: compute_pipeline(&gpu, RadixTree { wide: false }, "link")?,
+            link_wide: compute_pipeline(&gpu, RadixTree { wide: true }, "link")?,
             convert: compute_pipeline(&gpu, CONVERT, "convert")?,
             refit_binary: compute_pipeline(&gpu, Refit { wide: false }, "fit")?,
             refit_binary_last: compute_pipeline(&gpu, Refit { wide: false }, "fit_last")?,

@@ -6,7 +6,7 @@ use tracebench_api::{AdapterChoice, Geometry, Gpu, Parameters, PhaseClock, Prese
 
 use super::iterations::{LAST_CLUSTERS, bounds};
 use super::plan::EARLY_ITERATIONS;
-use super::{LbvhGpu, description};
+use super::{PlocGpu, description};
 use crate::binary::{BinaryNode, INNER};
 use crate::gpu::BINARY_STACK;
 use crate::gpu::layout::Tree;
@@ -106,7 +106,7 @@ fn growing(count: u32, factor: f32) -> Vec<[f32; 3]> {
 /// What the device and the host make of the same leaves, and how often the host paired clusters.
 fn compare(
     gpu: &Arc<Gpu>,
-    tracer: &LbvhGpu,
+    tracer: &PlocGpu,
     positions: Vec<[f32; 3]>,
     radii: [usize; 2],
 ) -> ([Vec<BinaryNode>; 3], u32) {
@@ -136,7 +136,7 @@ fn compare(
 #[test]
 fn clusters_are_those_of_single_searches() {
     let gpu = Arc::new(Gpu::open(&AdapterChoice::default()).unwrap());
-    let tracer = LbvhGpu::new(Arc::clone(&gpu)).unwrap();
+    let tracer = PlocGpu::new(Arc::clone(&gpu)).unwrap();
     for (count, radii) in
         [(2, [8, 8]), (7, [8, 8]), (9, [1, 1]), (500, [16, 2]), (2_049, [3, 8]), (6_001, [8, 2]), (6_003, [8, 8])]
     {
@@ -152,7 +152,7 @@ fn clusters_are_those_of_single_searches() {
 #[test]
 fn pairings_are_those_of_the_host() {
     let gpu = Arc::new(Gpu::open(&AdapterChoice::default()).unwrap());
-    let tracer = LbvhGpu::new(Arc::clone(&gpu)).unwrap();
+    let tracer = PlocGpu::new(Arc::clone(&gpu)).unwrap();
     for (count, factor) in [(400, 1.2), (5_001, 1.004)] {
         let ([found, expected, _], pairings) = compare(&gpu, &tracer, growing(count, factor), [8, 8]);
         assert!(pairings > 0, "{count}");

@@ -1,14 +1,17 @@
-//! `lbvh-gpu`: a hierarchy that is built on the device from the scene's triangles, every time, and traversed there by the
+//! `ploc-gpu`: a hierarchy that is built on the device from the scene's triangles, every time, and traversed there by the
 //! searches of `bvh-gpu`.
 //!
 //! The build is PLOC++ (Benthin, Drabinski, Tessari, Dittebrandt, HPG 2022) over 30-bit Morton codes of the triangles'
 //! boxes. H-PLOC (Benthin et al., HPG 2024) gives hierarchies of that quality in one launch and PLOC++ needs one kernel an
 //! iteration, but both have workgroups that wait for others, or that go on with what another has just written: WGSL promises
 //! neither that others make progress nor that their writes are seen within a dispatch, and has no subgroups without an
-//! extension. Karras's LBVH (HPG 2012) builds its tree in one such pass, too, and needs treelets (Karras, Aila, HPG 2013)
-//! for a quality like clustering's. So iterations are dispatches here, four kernels each; their number has a bound that
+//! extension. So iterations are dispatches here, four kernels each; their number has a bound that
 //! the host knows (`iterations`), so nothing is read back, and it bounds the depth, too. H-PLOC in rounds, a dispatch each, was
 //! tried and saved too little: docs/bvh.md says what and why.
+//!
+//! `tree=lbvh` makes Karras's binary radix tree (HPG 2012) in the place of clusters, without the treelets (Karras, Aila, HPG
+//! 2013) that would give it a quality like theirs. shaders/bvh/radix_tree.wgsl says how its boxes come about. Codes have 30 bits and
+//! places 32, so it is no deeper than 62.
 //!
 //! The preset `published` searches 8 neighbours on each side in every iteration, H-PLOC's advice, beyond which hierarchies
 //! hardly get better; `improved` searches 2 in the first two iterations, as obvhs's search depth threshold does.
@@ -41,7 +44,7 @@ use tracebench_api::{
 
 use tracebench_kit::{BuildJob, DevicePipelines, DeviceStructure, DeviceTracer, Search, SearchJob, SurfaceGeometry};
 
-use description::LbvhParameters;
+use description::PlocParameters;
 pub use description::description;
 
 use crate::gpu::description::NodeKind;
@@ -54,7 +57,7 @@ use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
 
 /// The tracer.
-pub type LbvhGpu = DeviceTracer<LbvhStructure>;
+pub type PlocGpu = DeviceTracer<PlocStructure>;
 
 /// The pipelines of builds and of searches.
 pub struct Pipelines {
@@ -63,7 +66,7 @@ pub struct Pipelines {
 }
 
 /// A hierarchy on the device, with what it takes to build it again.
-pub struct LbvhStructure {
+pub struct PlocStructure {
     pipelines: Arc<Pipelines>,
     plan: Plan,
     resident: Resident,
@@ -74,9 +77,9 @@ pub struct LbvhStructure {
     crowded: OnceCell<bool>,
 }
 
-impl LbvhStructure {
+impl PlocStructure {
     fn searched(&self, job: &TraceJob<'_>) -> Result<Searched<'_>, TracerError> {
-        let parameters = LbvhParameters::try_from(job.parameters)?;
+        let parameters = PlocParameters::try_from(job.parameters)?;
         let rays_per_lane = self.rays_per_lane(parameters.rays_per_lane)?;
         Ok(Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale, rays_per_lane })
     }
@@ -120,7 +123,7 @@ impl DevicePipelines for Pipelines {
     }
 }
 
-impl Search for LbvhStructure {
+impl Search for PlocStructure {
     type Counting = Counting;
 
     fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
@@ -133,23 +136,16 @@ impl Search for LbvhStructure {
     }
 }
 
-impl DeviceStructure for LbvhStructure {
+impl DeviceStructure for PlocStructure {
     type Pipelines = Pipelines;
 
     fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, parameters, before, clock, .. } = job;
         let kernels = &pipelines.kernels;
-        let LbvhParameters { node: kind, memory_access, search_radius, early_search_radius, .. } =
-            LbvhParameters::try_from(parameters)?;
-        let radii = [search_radius, early_search_radius];
-        let plan = Plan::new(
-            kernels,
-            kind,
-            memory_access,
-            geometry.triangles.len() as u32,
-            radii,
-            before.map(|before| &before.plan),
-        )?;
+        let parameters = PlocParameters::try_from(parameters)?;
+        let count = geometry.triangles.len() as u32;
+        let plan = Plan::new(kernels, &parameters, count, before.map(|before| &before.plan))?;
+        let kind = plan.kind;
         let scale = scale_for(geometry.diagonal());
         plan.build(kernels, geometry, scale, clock)?;
         // Neither kind of node has more levels than a private stack serves.
