@@ -20,7 +20,7 @@ struct QuadtreeSettings {
     next_layer: u32,
     // 1: any hit will do.
     any_hit: u32,
-    // 1: rays end at the last layer's occlusion volumes.
+    // Where rays end at the last layer's occlusion volumes: 0 they do not, 1 just before, 2 on the plane of the pixel there.
     inpaints: u32,
     max_steps: u32,
     // Pixels by which a ray starts away from its origin, and by which it must lie behind a plane to lie in its occlusion volume.

@@ -59,7 +59,8 @@ fn trace_layers(number: u32) {
         work[3] += 1u;
         work[5] = max(work[5], min(layer, 1u));
 #endif
-        walk_tree(number * forest.layers + layer, first, limit);
+        let holes = select(0u, search.inpaints, (layer + 1u == forest.layers));
+        walk_tree(number * forest.layers + layer, first, limit, holes);
         let hit = found.place <= limit;
         if (hit) {
             best_place = found.place;

@@ -15,7 +15,7 @@
 // Whether nodes on the way down are kept on a stack.
 override STACK: bool;
 
-// How far before an occlusion volume an inpainted hit lies, pixels: on the pixel before it ("slightly dilated", section 4.1).
+// How far before an occlusion volume the pixel is looked at that an inpainted hit shows, pixels ("slightly dilated", section 4.1).
 const INPAINT_PIXELS: f32 = 0.5;
 
 // How far apart the end of one node and the beginning of the next may be rounded, pixels.
@@ -56,6 +56,10 @@ var<private> inside_from: f32;
 // occlusion volume; NOT_BEFORE for all else.
 var<private> before_until: f32;
 const NOT_BEFORE: f32 = -1.0;
+// How holes are inpainted: not at all, just before occlusion volumes, or on the planes of the pixels there.
+var<private> inpaints: u32;
+const INPAINT_NEVER: u32 = 0u;
+const INPAINT_AT_PLANES: u32 = 2u;
 
 // By how much a plane lies before the ray, in z: above 0 the ray is behind it.
 fn behind_by(plane: Plane, middle: vec2<f32>, place: f32) -> f32 {
@@ -79,12 +83,12 @@ fn take(place: f32, plane: Plane, middle: vec2<f32>, bounds: Bounds) {
 }
 
 // The ray lies in a node's occlusion volume from a place on (section 4.1). Where holes are inpainted, it ends there with a hit on what
-// the image shows just before, if it shows something.
+// the image shows just before, if it shows something: there, or farther on where it gets behind that pixel's plane.
 fn pass_volume(image: u32, place: f32) {
     if (found.volume == NOWHERE) {
         found.volume = place;
     }
-    if (search.inpaints == 0u) {
+    if (inpaints == INPAINT_NEVER) {
         return;
     }
     found.stopped = true;
@@ -94,13 +98,20 @@ fn pass_volume(image: u32, place: f32) {
         return;
     }
     let last = vec2<f32>(forest.size) - 1.0;
-    let pixel = vec2<u32>(clamp(floor(pixels_at(track, before)), vec2<f32>(0.0), last));
-    if (is_empty(pixel_node(image, pixel))) {
+    let pixel = clamp(floor(pixels_at(track, before)), vec2<f32>(0.0), last);
+    let words = pixel_node(image, vec2<u32>(pixel));
+    if (is_empty(words)) {
         return;
     }
     found.place = before;
-    found.z = z_along(track, before);
-    found.pixel = pixel;
+    if (inpaints == INPAINT_AT_PLANES) {
+        let plane = plane_of(words, last + 1.0);
+        let middle = pixel + 0.5;
+        let passes = crossings(before, 1.0, vec2<f32>(behind_by(plane, middle, before)), vec2<f32>(behind_by(plane, middle, 1.0)));
+        found.place = select(before, passes.x, passes.x <= 1.0);
+    }
+    found.z = z_along(track, found.place);
+    found.pixel = vec2<u32>(pixel);
     found.inpainted = true;
 }
 
@@ -231,8 +242,9 @@ fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
     return max(place, met - places_of(track, REACH_SLACK * reach));
 }
 
-// Walks the tree of an image between two places, and leaves in `found` what it found.
-fn walk_tree(image: u32, first: f32, limit: f32) {
+// Walks the tree of an image between two places, and leaves in `found` what it found; `holes` says how it inpaints.
+fn walk_tree(image: u32, first: f32, limit: f32, holes: u32) {
+    inpaints = holes;
     found.place = NOWHERE;
     found.volume = NOWHERE;
     found.inpainted = false;

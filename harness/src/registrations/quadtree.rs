@@ -144,6 +144,8 @@ const ABLATION: Table = switches(
         published(IN_PIXELS),
         published(FLAGGED),
         published(JOINED),
+        improved(&[("layers", "1")]),
+        improved(&[("layers", "1"), ("inpainted_at", "volume")]),
         improved(&[("layers", "2")]),
         improved(&[("layers", "3")]),
         improved(&[]),

@@ -65,6 +65,11 @@ choice! {
     pub(crate) enum Inpainting { OneLayer = "one_layer", Never = "never", Always = "always" }
 }
 
+choice! {
+    /// Where inpainted hits lie; in the order of the shader's codes.
+    pub(crate) enum InpaintedAt { Volume = "volume", Plane = "plane" }
+}
+
 parameters! {
     /// What `quadtree` is told.
     pub(crate) struct QuadtreeParameters {
@@ -128,6 +133,9 @@ parameters! {
         /// whether a ray ends with a hit where it enters an occlusion volume of the last layer (section 4.1): where there is one layer
         /// alone, never, or always
         inpainting: Inpainting = Parameter::choice(Trace, Inpainting::OneLayer),
+        /// where an inpainted hit lies: half a pixel before the volume (section 4.1), or farther on, where the ray gets behind the plane of
+        /// the pixel there, if it does
+        inpainted_at: InpaintedAt = Parameter::choice(Trace, InpaintedAt::Volume).improved(InpaintedAt::Plane),
         /// how far a ray must lie behind a plane to lie in its occlusion volume; nearer it hits the plane if it comes from as near before
         /// the one beside it
         occlusion_bias: f64 = Parameter::real(Trace, 0.0..=64.0, 1.0)

@@ -6,7 +6,7 @@ mod joined;
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::{Ray, Status, View};
 
-use crate::description::{Dilated, NextLayer};
+use crate::description::{Dilated, InpaintedAt, NextLayer};
 use crate::images::Images;
 use crate::nodes::{Node, Plane};
 use crate::structure::QuadtreeStructure;
@@ -17,7 +17,7 @@ use joined::Passed;
 #[derive(Clone, Copy)]
 pub(crate) struct Asked {
     pub next_layer: NextLayer,
-    pub inpaints: bool,
+    pub inpaints: Option<InpaintedAt>,
     /// Pixel heights.
     pub occlusion_bias: f64,
     pub start_bias: f64,
@@ -264,9 +264,9 @@ impl<'a> Reference<'a> {
                     if found.volume == NOWHERE {
                         found.volume = entry;
                     }
-                    if asked.inpaints {
+                    if let Some(at) = asked.inpaints {
                         found.stopped = true;
-                        self.inpaint(image, track, entry, first, &mut found);
+                        self.inpaint(image, track, [first, entry], at, &mut found);
                         return found;
                     }
                 }
@@ -318,9 +318,9 @@ impl<'a> Reference<'a> {
                     found.volume = entry;
                 }
                 found.decided &= !touched;
-                if asked.inpaints {
+                if let Some(at) = asked.inpaints {
                     found.stopped = true;
-                    self.inpaint(image, track, entry, first, &mut found);
+                    self.inpaint(image, track, [first, entry], at, &mut found);
                     return found;
                 }
                 if at_last < 0.0 {
@@ -341,8 +341,8 @@ impl<'a> Reference<'a> {
         found
     }
 
-    /// A hit half a pixel before a volume, where the image shows something.
-    fn inpaint(&self, image: usize, track: &Track, entry: f64, first: f64, found: &mut Found) {
+    /// A hit half a pixel before a volume, where the image shows something, or where the ray gets behind the plane of what it shows.
+    fn inpaint(&self, image: usize, track: &Track, [first, entry]: [f64; 2], at_what: InpaintedAt, found: &mut Found) {
         let before = track.later(entry, -0.5).max(first);
         let size = self.structure.shape.size();
         let at = track.at(before);
@@ -352,12 +352,19 @@ impl<'a> Reference<'a> {
         if entry <= first || before >= entry {
             return;
         }
-        let [x, y] = [at.x, at.y].map(f64::floor);
-        let x = x.clamp(0.0, f64::from(size[0]) - 1.0) as usize;
-        let y = y.clamp(0.0, f64::from(size[1]) - 1.0) as usize;
-        if self.planes[image][y * size[0] as usize + x].is_some() {
-            found.inpainted = true;
-            found.hit = Some((before, track.z(before), 1e-5));
+        let last = DVec2::new(f64::from(size[0]), f64::from(size[1])) - 1.0;
+        let pixel = at.floor().clamp(DVec2::ZERO, last);
+        let Some(plane) = self.planes[image][pixel.y as usize * size[0] as usize + pixel.x as usize] else { return };
+        found.inpainted = true;
+        found.hit = Some((before, track.z(before), 1e-5));
+        if at_what == InpaintedAt::Plane {
+            let middle = pixel + 0.5;
+            let [here, there] = [before, 1.0].map(|place| plane.z_at(track.at(place) - middle) - track.z(place));
+            let noise = self.noise(track.z(before).max(track.z(1.0)), &plane);
+            found.decided &= here.abs() > noise && there.abs() > noise;
+            if (here > 0.0) != (there > 0.0) {
+                found.take(track, before + (1.0 - before) * (here / (here - there)), plane, middle, noise, 1.0);
+            }
         }
     }
 
@@ -386,7 +393,8 @@ impl<'a> Reference<'a> {
         let (mut best, mut first, mut limit): (Option<Answered>, f64, f64) = (None, 0.0, 1.0);
         let (mut decided, mut occluded) = (true, false);
         for layer in 0..shape.layers {
-            let found = self.walk(layer as usize, &track, asked, [first, limit]);
+            let inpaints = asked.inpaints.filter(|_| layer + 1 == shape.layers);
+            let found = self.walk(layer as usize, &track, &Asked { inpaints, ..*asked }, [first, limit]);
             decided &= found.decided;
             if let Some((place, z, slack)) = found.hit {
                 let forest = shape.forest();

@@ -32,12 +32,12 @@ const COUNTERS: [&str; 8] = [
 const OF_FURTHER_LAYERS: [&str; 2] = ["rays_asking_layer_2", "hits_behind_layer_1"];
 
 impl QuadtreeStructure {
-    /// Whether rays end at the last layer's occlusion volumes.
-    fn inpaints(&self, parameters: &QuadtreeParameters) -> bool {
+    /// The shader's code for where rays end at the last layer's occlusion volumes, 0 where they do not.
+    fn inpaints(&self, parameters: &QuadtreeParameters) -> u32 {
         match parameters.inpainting {
-            Inpainting::OneLayer => self.shape.layers == 1,
-            Inpainting::Never => false,
-            Inpainting::Always => true,
+            Inpainting::OneLayer if self.shape.layers > 1 => 0,
+            Inpainting::Never => 0,
+            Inpainting::OneLayer | Inpainting::Always => 1 + parameters.inpainted_at as u32,
         }
     }
 
@@ -54,7 +54,7 @@ impl QuadtreeStructure {
             has_faces: u32::from(self.shape.has_faces),
             next_layer: parameters.next_layer as u32,
             any_hit: u32::from(job.rays.query == Query::Any),
-            inpaints: u32::from(self.inpaints(parameters)),
+            inpaints: self.inpaints(parameters),
             max_steps: parameters.max_steps,
             start_bias: parameters.start_bias as f32,
             occlusion_bias: parameters.occlusion_bias as f32,

@@ -9,7 +9,7 @@ use tracebench_api::{
 use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, ray, soup};
 
-use super::description::NextLayer;
+use super::description::{InpaintedAt, NextLayer};
 use super::reference::{Answered, Asked, Reference};
 use super::structure::{Quadtree, QuadtreeStructure};
 use super::tests::{LOSSLESS, answer, built_by, hostile, parameters, rectangle, viewpoint};
@@ -18,7 +18,7 @@ use super::tests::{LOSSLESS, answer, built_by, hostile, parameters, rectangle, v
 pub(crate) const JOINED: [(&str, &str); 3] = [("patches", "joined"), ("normals", "geometry"), ("discontinuity", "0.5")];
 
 pub(crate) const PUBLISHED: Asked =
-    Asked { next_layer: NextLayer::Volumes, inpaints: false, occlusion_bias: 1.0, start_bias: 1.0, ends_beyond: false };
+    Asked { next_layer: NextLayer::Volumes, inpaints: None, occlusion_bias: 1.0, start_bias: 1.0, ends_beyond: false };
 
 /// Rays from the eye, from beside it, from anywhere before and beside the view, in all directions; along axes, bounded.
 pub(crate) fn rays(count: usize) -> Vec<Ray> {
@@ -51,6 +51,8 @@ fn count(hits: &[Hit], status: Status) -> usize {
     hits.iter().filter(|hit| hit.status == status as u32).count()
 }
 
+const VOLUME: Option<InpaintedAt> = Some(InpaintedAt::Volume);
+
 /// Proves that rays get what brute force over all leaves that they cross finds, in f64, with lossless and with merged trees, by all
 /// readings of when the next layer is asked, inpainted or not; where f64 says that rounding decides nothing. Negative control: the
 /// answers of other settings are noticed.
@@ -67,7 +69,12 @@ fn rays_are_answered_as_by_brute_force() {
         (with(&[("layers", "3")]), PUBLISHED),
         (with(&[("next_layer", "misses")]), Asked { next_layer: NextLayer::Misses, ..PUBLISHED }),
         (with(&[("next_layer", "always"), ("layers", "3")]), Asked { next_layer: NextLayer::Always, ..PUBLISHED }),
-        (with(&[("layers", "1")]), Asked { inpaints: true, ..PUBLISHED }),
+        (with(&[("layers", "1")]), Asked { inpaints: VOLUME, ..PUBLISHED }),
+        (
+            with(&[("layers", "1"), ("inpainted_at", "plane")]),
+            Asked { inpaints: Some(InpaintedAt::Plane), ..PUBLISHED },
+        ),
+        (with(&[("inpainting", "always")]), Asked { inpaints: VOLUME, ..PUBLISHED }),
         (with(&[("layers", "1"), ("inpainting", "never"), ("dilated", "none")]), PUBLISHED),
         (vec![("gamma_dist", "0.001"), ("gamma_norm", "25"), ("dilated", "all"), ("dilation", "1")], PUBLISHED),
         (with(&[("dilated", "all"), ("dilation", "1")]), PUBLISHED),
@@ -76,7 +83,7 @@ fn rays_are_answered_as_by_brute_force() {
             Asked { occlusion_bias: 0.0, start_bias: 4.0, ..PUBLISHED },
         ),
         (with(&JOINED), PUBLISHED),
-        (with(&[&JOINED[..], &[("layers", "1")]].concat()), Asked { inpaints: true, ..PUBLISHED }),
+        (with(&[&JOINED[..], &[("layers", "1")]].concat()), Asked { inpaints: VOLUME, ..PUBLISHED }),
         (
             with(&[&JOINED[..], &[("layers", "4"), ("occlusion_bias", "0.25"), ("start_bias", "0.1")]].concat()),
             Asked { occlusion_bias: 0.25, start_bias: 0.1, ..PUBLISHED },
@@ -119,7 +126,8 @@ fn rays_are_answered_as_by_brute_force() {
         // Of the layers behind the first some are hit.
         let behind = expected.iter().filter(|each| each.decided && each.layer > 0).count();
         assert!(structure.shape.layers == 1 || behind > 5, "{settings:?}: {behind}");
-        let other = [&settings[..], &[("inpainting", if asked.inpaints { "never" } else { "always" })]].concat();
+        let other =
+            [&settings[..], &[("inpainting", if asked.inpaints.is_some() { "never" } else { "always" })]].concat();
         assert!(wrong(&answer(&gpu, &structure, &rays, &other, TraceTo::Hit).0).len() > 20, "{settings:?}");
     }
 }
