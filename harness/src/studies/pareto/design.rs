@@ -1,10 +1,10 @@
 //! Which points a tracer is given, in which order.
 //!
-//! First the tracer as it was asked for. Then in turn a point with one axis at another value, and one with two. Axes take turns, and
-//! every axis takes its values from the nearest to its own outwards, so that whatever number of points there is, no axis has many
-//! more of them than another (`tests::every_prefix_is_fair`). Resolutions alone have two values in the first turn, half and double: how far a
-//! sampled method gets must not hang on the frame that was asked for. A tracer's presets take turns as well: a tracer with two
-//! of them has no more points than one whose presets are the same; its improved form begins with the double.
+//! First the tracer as it was asked for, then half and double its resolution: how far a sampled method gets must not hang on the frame that
+//! was asked for. Then in turn a point with one axis at another value, and one with two. Axes take turns, and every axis takes its values
+//! from the nearest to its own outwards, so that whatever number of points there is, no axis but the resolution has many more of them
+//! than another (`tests::every_prefix_is_fair`). A tracer's presets take turns as well: a tracer with two of them has no more points than
+//! one whose presets are the same; its improved form begins with the double.
 
 use std::collections::BTreeMap;
 
@@ -104,15 +104,12 @@ pub fn order(axes: &[Axis]) -> Vec<BTreeMap<String, String>> {
     let rounds = axes.iter().map(|axis| axis.steps.len()).max().unwrap_or(0);
     let mut singles: Vec<BTreeMap<String, String>> = Vec::new();
     let mut pairs: Vec<BTreeMap<String, String>> = Vec::new();
+    let resolution = axes.iter().filter(|axis| axis.name == RESOLUTION);
+    let resolutions: Vec<_> =
+        resolution.flat_map(|axis| (0..2).filter_map(|round| change(axis, round))).map(|one| [one].into()).collect();
     for round in 0..rounds {
-        for axis in axes {
-            let rounds = match axis.name.as_str() {
-                RESOLUTION if round == 0 => 0..2,
-                RESOLUTION => round + 1..round + 2,
-                _ => round..round + 1,
-            };
-            singles.extend(rounds.filter_map(|round| Some(BTreeMap::from([change(axis, round)?]))));
-        }
+        let step = |axis: &Axis| change(axis, if axis.name == RESOLUTION { round + 2 } else { round });
+        singles.extend(axes.iter().filter_map(|axis| Some(BTreeMap::from([step(axis)?]))));
         // Every axis with the next, then with the next but one, and so on round the circle: each is in two pairs of a turn.
         for shift in 1..=axes.len() / 2 {
             let firsts = if 2 * shift == axes.len() { shift } else { axes.len() };
@@ -122,7 +119,7 @@ pub fn order(axes: &[Axis]) -> Vec<BTreeMap<String, String>> {
             }
         }
     }
-    std::iter::once(BTreeMap::new()).chain(in_turn(vec![singles, pairs])).collect()
+    std::iter::once(BTreeMap::new()).chain(resolutions).chain(in_turn(vec![singles, pairs])).collect()
 }
 
 /// Lists as one, an element of each in turn.
@@ -313,9 +310,11 @@ mod tests {
             }
             let sized = |form| axes(form, preset()).iter().any(|axis| axis.name == RESOLUTION);
             if sized(&published) && (sized(&improved) || !both_forms) {
-                let alone = many[..4].iter().filter(|point| point.values.len() == 1);
-                let found: Vec<&String> = alone.filter_map(|point| point.values.get(RESOLUTION)).collect();
-                assert_eq!(found, ["1/2", "2"], "{}", registration.name());
+                let first = if both_forms { &many[2..6] } else { &many[1..3] };
+                let found: Vec<&str> = first.iter().map(|point| point.values[RESOLUTION].as_str()).collect();
+                let each: &[&str] = if both_forms { &["1/2", "2", "2", "1/2"] } else { &["1/2", "2"] };
+                assert_eq!(found, each, "{}", registration.name());
+                assert!(first.iter().all(|point| point.values.len() == 1), "{}", registration.name());
             }
         }
         assert!(many.iter().any(|each| each.point.face != preset().face));
