@@ -71,13 +71,20 @@ fn find_hit(given: Ray) {
         let leaves = leaves_voxel(origin, direction, heading, voxel, edge);
         let exit = clamp(min(leaves.x, min(leaves.y, leaves.z)), t, span.end);
         let code = code_of(voxel);
+        // A layer is as deep as at its texel's centre, and so may lie behind the voxel that it marks: where nothing is marked there the
+        // search goes on for a texel.
+        let goes_past = code == EMPTY && run_axis != NO_AXIS;
+        if (code != EMPTY) {
+            found_voxel = voxel;
+        }
+        if (code != EMPTY || goes_past) {
+            let axis = select(chosen_axis(code), run_axis, goes_past);
+            search_voxel(axis, t, select(exit, min(exit, t + texel_t), goes_past));
+        }
         if (code == EMPTY) {
             run_axis = NO_AXIS;
-        } else {
-            search_voxel(chosen_axis(code), t, exit);
         }
         if (found || exit >= span.end) {
-            found_voxel = voxel;
             open -= 1u;
             break;
         }

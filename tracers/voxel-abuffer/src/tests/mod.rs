@@ -2,6 +2,7 @@
 
 mod answers;
 mod closed;
+mod crossings;
 mod planes;
 mod stored;
 mod true_hits;
