@@ -5,7 +5,7 @@
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::list_order::{node_words, open, depth_bits, next_of, set_next, ordered_list}
-#import tracebench::voxel_space::RasterizedAxis
+#import tracebench::voxel_space::{RasterizedAxis, is_less}
 
 @group(0) @binding(0) var<uniform> drawn: RasterizedAxis;
 @group(0) @binding(1) var<storage, read_write> heads: array<u32>;
@@ -42,19 +42,6 @@ fn store_data(node: u32, record: vec4<u32>) {
     }
 #endif
     data[node] = record;
-}
-
-fn is_less(one: vec4<u32>, other: vec4<u32>) -> bool {
-    if (one.x != other.x) {
-        return one.x < other.x;
-    }
-    if (one.y != other.y) {
-        return one.y < other.y;
-    }
-    if (one.z != other.z) {
-        return one.z < other.z;
-    }
-    return one.w < other.w;
 }
 #endif
 

@@ -11,8 +11,9 @@
 // No axis, where nothing was searched just before.
 const NO_AXIS: u32 = 3u;
 
-// What a search finds: the parameter, and the texel by whose layers the point there is told from those before.
+// What a search finds: the parameter, the texel by whose layers the point there is told from those before, and their side.
 var<private> found: bool;
+var<private> found_side: i32;
 var<private> found_t: f32;
 var<private> found_axis: u32;
 var<private> found_texel: vec2<u32>;
@@ -300,6 +301,7 @@ fn search_voxel(axis: u32, begin: f32, end: f32) {
         }
         side = run_side;
     }
+    found_side = side;
     if (!goes_on) {
         let texel = texel_at(place_at(begin));
         if (side_of(axis, texel, place_at(begin)) != side) {

@@ -31,3 +31,17 @@ fn layer_code(depth: f32, faces_along: bool) -> u32 {
 fn depth_code(depth: f32) -> u32 {
     return bitcast<u32>(clamp(depth, 1e-30, 1.0)) | 1u;
 }
+
+// An order of layers' data that hangs on nothing else.
+fn is_less(one: vec4<u32>, other: vec4<u32>) -> bool {
+    if (one.x != other.x) {
+        return one.x < other.x;
+    }
+    if (one.y != other.y) {
+        return one.y < other.y;
+    }
+    if (one.z != other.z) {
+        return one.z < other.z;
+    }
+    return one.w < other.w;
+}

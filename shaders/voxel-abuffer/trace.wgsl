@@ -11,8 +11,9 @@
 #else
 #import tracebench::unit_space::{on_image, from_image, dominant_axis, voxel_at}
 #import tracebench::voxel_walk::{leaves_voxel, next_voxel, is_in_grid}
+#import tracebench::voxel_space::is_less
 #import tracebench::voxel_store::{search, begin_ray, ray, origin, direction, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
-#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, side_at, search_voxel}
+#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, found_side, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, place_at, side_of, side_at, search_voxel}
 #endif
 
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
@@ -98,20 +99,33 @@ fn find_hit(given: Ray) {
     found_t = clamp(found_t, ray.t_min, ray.t_max);
 }
 
-#ifdef SURFACES
-// The layer that is nearest to where the ray has hit: texels from there, squared, its axis and its node.
+// The layer that is nearest to a point: texels from there, squared, and more where it faces against `crossing`; its data.
 struct Nearest {
     distance: f32,
-    axis: u32,
-    node: u32,
+    data: vec4<u32>,
     any: bool,
+}
+
+const NONE_NEAR: Nearest = Nearest(0.0, vec4<u32>(0u), false);
+
+// Texels, squared, by which a layer must be nearer that faces otherwise than the ray crosses it.
+const TURNED: f32 = 4.0;
+
+// 1 where a ray leaves something, whose layer faces along it, -1 where it enters something, 0 where layers of either facing count alike.
+var<private> crossing: f32 = 0.0;
+
+fn tell_crossing() {
+    crossing = select(1.0, -1.0, side_of(found_axis, vec2<i32>(found_texel), place_at(found_t)) > found_side);
 }
 
 // The nearest of what is known and the layers of a texel. `place`: texels across and down, depth in texels.
 fn nearest_in(known: Nearest, axis: u32, texel: vec2<u32>, place: vec3<f32>) -> Nearest {
     var nearest = known;
-    let edge = f32(search.space.image);
     let aside = vec2<f32>(texel) + 0.5 - place.xy;
+    let least = dot(aside, aside);
+    if (nearest.any && least > nearest.distance) {
+        return nearest;
+    }
     var link = head_of(axis, texel);
     open += 1u;
     loop {
@@ -120,58 +134,53 @@ fn nearest_in(known: Nearest, axis: u32, texel: vec2<u32>, place: vec3<f32>) -> 
             break;
         }
         let node = load_node(axis, link - 1u);
-        let along = bitcast<f32>(node.x) * edge - place.z;
-        let distance = dot(aside, aside) + along * along;
-        if (!nearest.any || distance < nearest.distance) {
-            nearest = Nearest(distance, axis, link - 1u, true);
+        let along = bitcast<f32>(node.x) * f32(search.space.image) - place.z;
+        var distance = least + along * along;
+        if (!nearest.any || distance <= nearest.distance) {
+            let data = load_data(axis, link - 1u);
+            distance += select(0.0, TURNED, (dot(bitcast<vec3<f32>>(data.xyz), ray.direction) * crossing < 0.0));
+            // Of layers at one place that with the least data, whatever order they came in.
+            let is_nearer = distance < nearest.distance || (distance == nearest.distance && is_less(data, nearest.data));
+            if (!nearest.any || is_nearer) {
+                nearest = Nearest(distance, data, true);
+            }
         }
         link = node.y;
     }
     return nearest;
 }
 
+
+#ifdef SURFACES
 // The layer of the hit's own texel that is nearest in depth. Where it has none, as the ray has come out of the others' layers there, the
 // nearest of those in the images of the hit's voxel, which has one at least.
 fn surface_of_hit() -> Surface {
     let edge = f32(search.space.image);
     let unit = origin + direction * found_t;
-    var nearest = Nearest(0.0, 0u, 0u, false);
-    nearest = nearest_in(nearest, found_axis, found_texel, on_image(found_axis, unit) * edge);
+    tell_crossing();
+    var nearest = nearest_in(NONE_NEAR, found_axis, found_texel, on_image(found_axis, unit) * edge);
     if (!nearest.any) {
-        let voxel = vec3<f32>(found_voxel);
         let texels = edge / f32(search.space.grid);
-        var axis = 0u;
+        let width = u32(ceil(texels)) + 1u;
+        var index = 0u;
         open += 1u;
         loop {
-            if (axis == 3u) {
+            if (index == 3u * width * width) {
                 open -= 1u;
                 break;
             }
-            let corner = on_image(axis, voxel).xy * texels;
-            let low = vec2<u32>(clamp(floor(corner), vec2<f32>(0.0), vec2<f32>(edge - 1.0)));
-            let high = vec2<u32>(clamp(floor(corner + texels), vec2<f32>(0.0), vec2<f32>(edge - 1.0)));
-            let width = high.x + 1u - low.x;
-            let count = width * (high.y + 1u - low.y);
-            var index = 0u;
-            open += 1u;
-            loop {
-                if (index >= count) {
-                    open -= 1u;
-                    break;
-                }
-                let texel = low + vec2<u32>(index % width, index / width);
-                nearest = nearest_in(nearest, axis, texel, on_image(axis, unit) * edge);
-                index += 1u;
-            }
-            axis += 1u;
+            let axis = (found_axis + index / (width * width)) % 3u;
+            let offset = vec2<u32>(index % width, index / width % width);
+            let texel = vec2<u32>(on_image(axis, vec3<f32>(found_voxel)).xy * texels) + offset;
+            nearest = nearest_in(nearest, axis, min(texel, vec2<u32>(search.space.image - 1u)), on_image(axis, unit) * edge);
+            index += 1u;
         }
     }
     if (!nearest.any) {
         return no_surface(SURFACE_LOST);
     }
-    let data = load_data(nearest.axis, nearest.node);
     let position = ray.origin + ray.direction * found_t;
-    return Surface(position, data.w, bitcast<vec3<f32>>(data.xyz), SURFACE_WRITTEN);
+    return Surface(position, nearest.data.w, bitcast<vec3<f32>>(nearest.data.xyz), SURFACE_WRITTEN);
 }
 #endif
 #endif

@@ -46,3 +46,32 @@ fn spheres_let_no_ray_through() {
     }
     assert!(all.iter().all(|(.., late, early)| late + early == 0), "{} rays: {all:?}", rays.len());
 }
+
+/// A hit on a slanted wall, much thinner than its texels' steps, has the normal of the face that the ray goes through, from either side.
+#[test]
+fn thin_walls_have_the_normal_that_is_met() {
+    let gpu = gpu();
+    let turned = tracebench_api::glam::DQuat::from_rotation_y(0.6) * tracebench_api::glam::DQuat::from_rotation_x(0.4);
+    let half = DVec3::new(2.0, 2.0, 0.02);
+    let turn = |corner: [f32; 3]| (turned * Vec3::from(corner).as_dvec3()).as_vec3().into();
+    let triangles: Vec<[[f32; 3]; 3]> = solid(-half, half).into_iter().map(|corners| corners.map(turn)).collect();
+    let geometry = soup(&triangles, Some(&gpu));
+    let mut numbers = Numbers::new(61);
+    let each = |index: usize| {
+        let at = DVec3::new(numbers.signed(), numbers.signed(), 0.0) * 1.5;
+        let side = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let from = at + DVec3::new(numbers.signed(), numbers.signed(), side);
+        (ray(turned * from, turned * (at - from)), turned * DVec3::Z * side)
+    };
+    let (rays, normals): (Vec<Ray>, Vec<DVec3>) = (0..600).map(each).unzip();
+    let settings = [("abuffer", "64"), ("average", "lines")];
+    let structure = built(&gpu, &geometry, &settings);
+    let (hits, surfaces) = answer(&gpu, &structure, &rays, Query::Closest, &settings, TraceTo::Surface);
+    let met = |hit: &&Hit| hit.is_hit() && (hit.t - 1.0).abs() < 0.3;
+    let near = hits.iter().filter(met).count();
+    let is_met = |((hit, surface), normal): &((&Hit, &Surface), &DVec3)| {
+        met(hit) && (Vec3::from(surface.normal).as_dvec3() - **normal).length() < 1e-3
+    };
+    let right = hits.iter().zip(&surfaces).zip(&normals).filter(is_met).count();
+    assert!(near > 300 && right + 3 >= near, "{near} {right}");
+}
