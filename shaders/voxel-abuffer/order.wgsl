@@ -1,6 +1,6 @@
 // The pass that orders the lists of an axis by depth (section 3.1). An invocation a list. Layers of equal depth and facing are one:
 // a surface that is there twice would cancel itself where layers tell inside from outside. The one that stays has the least data, so
-// that nothing hangs on the order in which fragments came. Fragments that are ORIENTED planes stay all: those of one depth at their
+// that nothing hangs on the order in which fragments came. By nesting they are walls of objects that are counted, and stay. Fragments that are ORIENTED planes stay all: those of one depth at their
 // texel's centre are parts of it side by side.
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
@@ -67,7 +67,7 @@ fn order(invocation: Invocation) {
             break;
         }
         let next = next_of(link);
-        if (depth_bits(link - 1u) == depth_bits(kept - 1u)) {
+        if (drawn.nesting == 0u && depth_bits(link - 1u) == depth_bits(kept - 1u)) {
             let record = load_data(link - 1u);
             if (is_less(record, load_data(kept - 1u))) {
                 store_data(kept - 1u, record);

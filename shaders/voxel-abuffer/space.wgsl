@@ -15,7 +15,8 @@ struct RasterizedAxis {
     fed_by: u32,
     // 1: normals are averaged as lines.
     as_lines: u32,
-    padding_a: u32,
+    // 1: layers of equal depth and facing are of several objects, and stay.
+    nesting: u32,
     padding_b: u32,
     padding_c: u32,
 }

@@ -103,8 +103,9 @@ parameters! {
         /// halvings between the last two points of a search; none for any hit (section 3.2)
         binary_steps: u32 = Parameter::integer(Trace, 0..=32, 8).unit("halvings").sweep([0, 2, 4, 8, 16]),
         /// how the layers before a point tell whether it is inside: by their number's parity, or by their facings, an object entered where
-        /// one faces the image and left where it does not, which takes objects in one another and asks for normals that point outwards
-        inside: Inside = Parameter::choice(Trace, Inside::Parity),
+        /// one faces the image and left where it does not, which takes objects in one another and asks for normals that point outwards;
+        /// by parity layers of equal depth and facing are stored as one, by nesting each
+        inside: Inside = Parameter::choice(Build, Inside::Parity),
         /// where a ray ends: at the first point that is not on the side on which it enters the voxels that are searched by one image
         /// (section 3.2 asks of the entry point), or not on the one on which it starts, so that a wrong start and what lies behind an open
         /// mesh end it

@@ -4,7 +4,7 @@ use tracebench_api::{Geometry, ImageChoice, SampledImage, Viewpoint, VoxelGrid};
 use tracebench_kit::RasterBackend;
 pub(crate) use tracebench_kit::{UnitSpace, across_and_down, samplings_along_axes, unit_space, voxel_grid};
 
-use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, VoxelParameters};
+use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, Inside, VoxelParameters};
 pub(crate) use tracebench_shaders::voxel_abuffer::{AveragedGrid, RasterizedAxis};
 
 /// Axes, and images.
@@ -31,6 +31,8 @@ pub(crate) struct Layout {
     pub voxels_only: bool,
     /// Whether fragments are oriented planes.
     pub planes: bool,
+    /// Whether inside is told by nesting.
+    pub nesting: bool,
     pub fed: Fed,
     pub averaged: Averaged,
     pub cancelled_below: f64,
@@ -63,6 +65,7 @@ impl Layout {
             space: unit_space(geometry, parameters.fit, image, grid),
             voxels_only,
             planes,
+            nesting: parameters.inside == Inside::Nesting,
             fed: parameters.average_from,
             averaged: parameters.average,
             cancelled_below: parameters.cancelled_below,
@@ -104,7 +107,7 @@ impl Layout {
             half_nodes,
             fed_by: self.fed as u32,
             as_lines: self.averaged as u32,
-            padding_a: 0,
+            nesting: u32::from(self.nesting),
             padding_b: 0,
             padding_c: 0,
         }

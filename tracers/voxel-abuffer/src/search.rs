@@ -3,7 +3,7 @@
 use bytemuck::Zeroable;
 use tracebench_api::{Query, TraceJob};
 
-use crate::description::{Crossing, InTexel, Inside, VoxelParameters};
+use crate::description::{Crossing, InTexel, VoxelParameters};
 use crate::layout::Layout;
 pub(crate) use tracebench_shaders::voxel_abuffer::VoxelSearch;
 
@@ -16,7 +16,7 @@ pub(crate) fn voxel_search(layout: &Layout, job: &TraceJob<'_>, parameters: &Vox
         points: parameters.search.points(),
         // Where a surface is does not matter to rays that ask whether there is any (section 3.2).
         binary_steps: if job.rays.query == Query::Any { 0 } else { parameters.binary_steps },
-        nesting: u32::from(parameters.inside == Inside::Nesting),
+        nesting: u32::from(layout.nesting),
         by_change: u32::from(parameters.crossing == Crossing::Change),
         at_exits: u32::from(parameters.in_texel == InTexel::Exit),
         any_hit: u32::from(job.rays.query == Query::Any),

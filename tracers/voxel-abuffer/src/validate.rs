@@ -42,6 +42,8 @@ struct ReadBack {
     /// Fragments stored.
     stored: u32,
     met: Vec<bool>,
+    /// Whether layers of equal depth and facing stay.
+    copies: bool,
 }
 
 impl ReadBack {
@@ -57,7 +59,7 @@ impl ReadBack {
             }
             self.met[node as usize] = true;
             let [code, next] = self.nodes[node as usize];
-            if code <= before {
+            if code < before || (code == before && !self.copies) {
                 return fail(format!("axis {name}: node {node} of texel {texel} is out of the order of depths"));
             }
             let [x, y, z, material] = self.data[node as usize];
@@ -197,6 +199,7 @@ impl VoxelStructure {
                 data: bytemuck::pod_collect_to_vec(&data),
                 stored,
                 met: vec![false; stored as usize],
+                copies: self.layout.nesting,
             };
             self.check_axis(&mut back, allowed, &mut expected, &mut found)?;
         }

@@ -39,6 +39,7 @@ fn every_variant_gives_the_same_bits() {
         structure.validate_against(geometry).unwrap();
         for (search, expected) in SEARCHES.iter().zip(&mut expected) {
             let settings = [&settings[..], search].concat();
+            let structure = built(gpu, geometry, &settings);
             let found = [Query::Closest, Query::Any].map(|query| {
                 let found = answer(gpu, &structure, &rays, query, &settings, TraceTo::Surface);
                 assert_eq!(answer(gpu, &structure, &rays, query, &settings, TraceTo::Hit).0, found.0, "{settings:?}");

@@ -47,6 +47,35 @@ fn spheres_let_no_ray_through() {
     assert!(all.iter().all(|(.., late, early)| late + early == 0), "{} rays: {all:?}", rays.len());
 }
 
+/// By nesting each of two solids counts, though their lower walls lie in one plane: within one alone a ray starts inside, and rays from there
+/// end at its wall.
+#[test]
+fn coplanar_walls_of_two_solids_are_two() {
+    let gpu = gpu();
+    let mut triangles = solid(DVec3::splat(-2.0), DVec3::splat(1.0));
+    triangles.extend(solid(DVec3::new(-1.5, -1.5, -2.0), DVec3::new(1.5, 1.5, 2.0)));
+    let geometry = soup(&triangles, Some(&gpu));
+    let mut numbers = Numbers::new(59);
+    let each = |_| ray(DVec3::new(numbers.signed(), numbers.signed(), 1.5), numbers.direction());
+    let rays: Vec<Ray> = (0..200).map(each).collect();
+    for crossing in ["change", "state"] {
+        let settings = [("abuffer", "128"), ("inside", "nesting"), ("crossing", crossing), ("depths", "plane")];
+        let structure = built(&gpu, &geometry, &settings);
+        structure.validate_against(&geometry).unwrap();
+        let (hits, counters) = counted(&gpu, &structure, &rays, Query::Closest, &settings);
+        let right = |(hit, ray): &(&Hit, &Ray)| {
+            let truth = true_hit(&triangles, ray).unwrap();
+            hit.is_hit() && (f64::from(hit.t) - truth).abs() < 0.1
+        };
+        let right = hits.iter().zip(&rays).filter(right).count();
+        assert!(
+            (total(&counters, "starts_inside"), right) == (200, 200),
+            "{crossing} {} {right}",
+            total(&counters, "starts_inside")
+        );
+    }
+}
+
 /// A hit on a slanted wall, much thinner than its texels' steps, has the normal of the face that the ray goes through, from either side.
 #[test]
 fn thin_walls_have_the_normal_that_is_met() {
