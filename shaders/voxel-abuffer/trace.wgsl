@@ -13,7 +13,7 @@
 #import tracebench::voxel_walk::{leaves_voxel, next_voxel, is_in_grid}
 #import tracebench::voxel_space::is_less
 #import tracebench::voxel_store::{search, begin_ray, ray, origin, direction, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
-#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, found_side, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, place_at, side_of, side_at, search_voxel}
+#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, found_side, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, texel_at, place_at, side_of, side_at, search_voxel}
 #endif
 
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
@@ -39,9 +39,19 @@ fn find_hit(given: Ray) {
     if (!(span.begin <= span.end)) {
         return;
     }
+#ifdef LIFTED
+    lift = vec3<f32>(0.0);
+    crossing = 0.0;
+#endif
     texel_t = 1.0 / (f32(space.image) * length(direction));
     if (span.begin <= ray.t_min) {
+#ifdef LIFTED
+        span.begin = ray.t_min;
+        lift = lift_off(origin + direction * ray.t_min);
+        origin += lift;
+#else
         span.begin = ray.t_min + search.start_bias * texel_t;
+#endif
         if (!(span.begin <= span.end)) {
             return;
         }
@@ -96,6 +106,10 @@ fn find_hit(given: Ray) {
         }
         t = exit;
     }
+#ifdef LIFTED
+    put_back();
+    origin -= lift;
+#endif
     found_t = clamp(found_t, ray.t_min, ray.t_max);
 }
 
@@ -150,6 +164,48 @@ fn nearest_in(known: Nearest, axis: u32, texel: vec2<u32>, place: vec3<f32>) -> 
     return nearest;
 }
 
+#ifdef LIFTED
+// By what the ray was lifted, in the cube.
+var<private> lift: vec3<f32>;
+
+// Squared texels from a start within which a layer may hold it: it is as deep as at its texel's centre.
+const HELD: f32 = 2.0;
+
+// What takes a start off the layer that it lies on: along the normal, to the side to which the ray goes (after Waechter and Binder, "A fast
+// and robust method for avoiding self-intersection", Ray Tracing Gems 2019).
+fn lift_off(start: vec3<f32>) -> vec3<f32> {
+    let edge = f32(search.space.image);
+    var nearest = NONE_NEAR;
+    var axis = 0u;
+    open += 1u;
+    loop {
+        if (axis == 3u) {
+            open -= 1u;
+            break;
+        }
+        let place = on_image(axis, start) * edge;
+        nearest = nearest_in(nearest, axis, vec2<u32>(texel_at(place)), place);
+        axis += 1u;
+    }
+    if (!nearest.any || nearest.distance > HELD) {
+        return vec3<f32>(0.0);
+    }
+    let normal = normalize(bitcast<vec3<f32>>(nearest.data.xyz) / search.space.scale);
+    return normal * sign(dot(normal, direction)) * (search.start_bias / edge);
+}
+
+// Back onto the ray, which meets the plane of the layer that the lifted one has met a little before or behind.
+fn put_back() {
+    if (!found) {
+        return;
+    }
+    tell_crossing();
+    let place = on_image(found_axis, origin + direction * found_t) * f32(search.space.image);
+    let normal = bitcast<vec3<f32>>(nearest_in(NONE_NEAR, found_axis, found_texel, place).data.xyz) / search.space.scale;
+    let further = dot(normal, lift) / dot(normal, direction);
+    found_t += select(0.0, further, abs(further) <= 8.0 * search.start_bias * texel_t);
+}
+#endif
 
 #ifdef SURFACES
 // The layer of the hit's own texel that is nearest in depth. Where it has none, as the ray has come out of the others' layers there, the
@@ -157,7 +213,9 @@ fn nearest_in(known: Nearest, axis: u32, texel: vec2<u32>, place: vec3<f32>) -> 
 fn surface_of_hit() -> Surface {
     let edge = f32(search.space.image);
     let unit = origin + direction * found_t;
+#ifndef LIFTED
     tell_crossing();
+#endif
     var nearest = nearest_in(NONE_NEAR, found_axis, found_texel, on_image(found_axis, unit) * edge);
     if (!nearest.any) {
         let texels = edge / f32(search.space.grid);

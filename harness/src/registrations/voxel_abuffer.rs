@@ -27,6 +27,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
             "binary_steps",
             "inside",
             "crossing",
+            "start_along",
         ],
         by: "fragments",
         values: &["points"],
@@ -123,6 +124,10 @@ const IMPROVED_EXPECTATIONS: Column = &[
 /// The best that is known of points.
 const BEST_POINTS: Values = &[("fit", "box"), ("average", "lines"), ("depths", "plane"), ("start_bias", "1")];
 
+/// The same where starts are lifted off their surface.
+const LIFTED_POINTS: Values =
+    &[("fit", "box"), ("average", "lines"), ("depths", "plane"), ("start_bias", "1"), ("start_along", "normal")];
+
 /// From row to row one thing more; then the improved form, and single switches of it turned.
 const ABLATION: Table = switches(
     "voxel-abuffer-ablation",
@@ -133,6 +138,8 @@ const ABLATION: Table = switches(
         published(&[("fit", "box")]),
         published(&[("fit", "box"), ("average", "lines"), ("depths", "plane")]),
         published(BEST_POINTS),
+        published(&[("start_along", "normal")]),
+        published(LIFTED_POINTS),
         published(&[("fragments", "planes")]),
         published(&[("fragments", "planes"), ("start_bias", "0")]),
         improved(&[]),

@@ -38,7 +38,7 @@ pub struct Pipelines {
 impl DevicePipelines for Pipelines {
     // None yet. What every build and trace needs is asked of the device's limits.
     fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let traced = Trace::Plain { textures: false, planes: true, surfaces: true, counters: true };
+        let traced = Trace::Plain { textures: false, planes: true, lifted: true, surfaces: true, counters: true };
         check_limits(&gpu, Fill::Store { halves: false }.into(), &["vertex", "fragment"])?;
         check_limits(&gpu, traced.into(), &["trace"])?;
         Ok(Self {

@@ -62,6 +62,11 @@ choice! {
     pub(crate) enum Crossing { State = "state", Change = "change" }
 }
 
+choice! {
+    /// Along what a ray's start is moved.
+    pub(crate) enum StartAlong { Ray = "ray", Normal = "normal" }
+}
+
 parameters! {
     /// What `voxel-abuffer` is told.
     pub(crate) struct VoxelParameters {
@@ -116,6 +121,10 @@ parameters! {
             .unit("texels")
             .improved(0.0)
             .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        /// along what start_bias goes: the ray, so that what lies near is left out, or the normal of the layer that the start lies on, by which
+        /// the whole ray is lifted off that surface, towards where it goes; hits are put back on the ray by the planes of their layers.
+        /// Rays that start on no layer leave nothing out then. Through planes along the ray alone
+        start_along: StartAlong = Parameter::choice(Trace, StartAlong::Ray),
         build: RasterBackend = build_parameter(),
         memory_access: MemoryAccess = memory_access_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),

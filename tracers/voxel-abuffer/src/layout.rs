@@ -4,7 +4,7 @@ use tracebench_api::{Geometry, ImageChoice, SampledImage, Viewpoint, VoxelGrid};
 use tracebench_kit::RasterBackend;
 pub(crate) use tracebench_kit::{UnitSpace, across_and_down, samplings_along_axes, unit_space, voxel_grid};
 
-use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, Inside, VoxelParameters};
+use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, Inside, StartAlong, VoxelParameters};
 pub(crate) use tracebench_shaders::voxel_abuffer::{AveragedGrid, RasterizedAxis};
 
 /// Axes, and images.
@@ -136,7 +136,7 @@ impl Layout {
             points: Some(parameters.search.points()).filter(|points| *points > 0),
             layers_passed: parameters.search.points() == 0 && parameters.in_texel == InTexel::Layers,
             from_start: parameters.crossing == Crossing::State,
-            start_texels: parameters.start_bias,
+            start_texels: if parameters.start_along == StartAlong::Ray { parameters.start_bias } else { 0.0 },
         };
         voxel_grid(&self.space, (!self.voxels_only).then_some(images))
     }

@@ -208,7 +208,7 @@ fn capacities(gpu: &Gpu, needed: [u32; AXES]) -> Result<[u32; AXES], TracerError
 
 /// Whether the device can bind buffers of their own for every axis at once.
 fn binds_every_axis(gpu: &Gpu, raster_backend: RasterBackend) -> bool {
-    let traced = Trace::Split { planes: true, surfaces: true, counters: true }.into();
+    let traced = Trace::Split { planes: true, lifted: true, surfaces: true, counters: true }.into();
     let entries = if raster_backend == RasterBackend::Compute { &["draw"][..] } else { &["vertex", "fragment"] };
     let fills = || check_limits(gpu, Fill::Store { halves: true }.into(), entries);
     check_limits(gpu, traced, &["trace"]).and_then(|()| fills()).is_ok()

@@ -9,7 +9,7 @@ use tracebench_kit::{
 use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
 
 use crate::buffers::Lists;
-use crate::description::{Depths, VoxelParameters};
+use crate::description::{Depths, StartAlong, VoxelParameters};
 use crate::layout::AXES;
 use crate::search::{VoxelSearch, voxel_search};
 use crate::structure::VoxelStructure;
@@ -44,7 +44,8 @@ impl VoxelStructure {
 
     /// Whether a trace reads more of a layer than its depth and facing.
     fn reads_data(&self, trace_to: TraceTo, parameters: &VoxelParameters) -> bool {
-        trace_to == TraceTo::Surface || self.layout.planes || parameters.depths == Depths::Plane
+        let lifted = parameters.start_along == StartAlong::Normal;
+        trace_to == TraceTo::Surface || self.layout.planes || parameters.depths == Depths::Plane || lifted
     }
 
     /// The same through voxels alone.
@@ -91,12 +92,13 @@ impl Search for VoxelStructure {
         let (surfaces, counters) = (job.trace_to == TraceTo::Surface, counting.is_some());
         let reads_data = self.reads_data(job.trace_to, &parameters);
         let planes = parameters.depths == Depths::Plane;
+        let lifted = parameters.start_along == StartAlong::Normal;
         let split = lists.nodes.is_by_axis() && !textures;
         let variant = match (self.layout.planes, split) {
             (true, true) => Trace::OrientedSplit { surfaces, counters },
             (true, false) => Trace::Oriented { textures, surfaces, counters },
-            (false, true) => Trace::Split { planes, surfaces, counters },
-            (false, false) => Trace::Plain { textures, planes, surfaces, counters },
+            (false, true) => Trace::Split { planes, lifted, surfaces, counters },
+            (false, false) => Trace::Plain { textures, planes, lifted, surfaces, counters },
         };
         let search = self.search(job, &parameters, counting)?;
         let settings = uniform_buffer(gpu, "search", &search)?;

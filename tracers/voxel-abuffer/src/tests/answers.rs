@@ -3,13 +3,14 @@
 use super::*;
 use tracebench_api::{Status, SurfaceStatus};
 
-const SEARCHES: [[(&str, &str); 3]; 6] = [
+const SEARCHES: [[(&str, &str); 3]; 7] = [
     [("search", "dda2d"), ("inside", "parity"), ("crossing", "state")],
     [("search", "three-step"), ("inside", "nesting"), ("crossing", "change")],
     [("search", "one-step"), ("inside", "parity"), ("crossing", "change")],
     [("search", "dda2d"), ("inside", "nesting"), ("crossing", "change")],
     [("search", "dda2d"), ("in_texel", "exit"), ("crossing", "state")],
     [("search", "dda2d"), ("depths", "plane"), ("inside", "parity")],
+    [("search", "dda2d"), ("depths", "plane"), ("start_along", "normal")],
 ];
 
 /// Over one buffer of a kind, one an axis with data in halves, or textures of either, with a ray a lane or several, timed or counted, hits

@@ -104,3 +104,35 @@ fn thin_walls_have_the_normal_that_is_met() {
     let right = hits.iter().zip(&surfaces).zip(&normals).filter(is_met).count();
     assert!(near > 300 && right + 3 >= near, "{near} {right}");
 }
+
+/// Rays that start on a slanted box leave it, or go through it to the wall opposite, as in f64: lifted along the normal nearly all do, along the
+/// ray fewer, and with no part left out many do not.
+#[test]
+fn lifted_starts_leave_their_surface() {
+    let gpu = gpu();
+    let turned = tracebench_api::glam::DQuat::from_rotation_y(0.5) * tracebench_api::glam::DQuat::from_rotation_x(0.4);
+    let half = DVec3::new(2.0, 1.5, 0.15);
+    let turn = |corner: [f32; 3]| (turned * Vec3::from(corner).as_dvec3()).as_vec3().into();
+    let triangles: Vec<[[f32; 3]; 3]> = solid(-half, half).into_iter().map(|corners| corners.map(turn)).collect();
+    let geometry = soup(&triangles, Some(&gpu));
+    let mut numbers = Numbers::new(67);
+    let each = |_| {
+        let at = DVec3::new(1.2 * numbers.signed(), 0.8 * numbers.signed(), 0.15);
+        Ray { t_min: 1e-4, ..ray(turned * at, numbers.direction()) }
+    };
+    let rays: Vec<Ray> = (0..1000).map(each).collect();
+    let truth: Vec<Option<f64>> = rays.iter().map(|ray| true_hit(&triangles, ray)).collect();
+    let texel = 3.5 / 126.0;
+    let wrong = |along: &str, bias: &str| {
+        let settings = [("abuffer", "128"), ("average", "lines"), ("start_along", along), ("start_bias", bias)];
+        let hits = closest(&gpu, &built(&gpu, &geometry, &settings), &rays, &settings);
+        let is_wrong = |(hit, truth): &(&Hit, &Option<f64>)| match truth {
+            Some(t) => !hit.is_hit() || (f64::from(hit.t) - t).abs() > 3.0 * texel,
+            None => hit.is_hit(),
+        };
+        hits.iter().zip(&truth).filter(is_wrong).count()
+    };
+    let all = [("normal", "2"), ("normal", "1"), ("normal", "0.5"), ("ray", "2"), ("ray", "1"), ("ray", "0")]
+        .map(|(along, bias)| wrong(along, bias));
+    assert!(all[0] * 2 < all[3] && all[3] < all[5], "{all:?}");
+}
