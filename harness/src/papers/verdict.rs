@@ -2,6 +2,7 @@
 
 use itertools::Itertools as _;
 use serde::Serialize;
+use tracebench_api::named;
 
 use super::claims::{Claim, Decision, Rule, Test};
 use super::quantity::{OfScene, Quantity};
@@ -9,40 +10,25 @@ use super::rows::Rows;
 use super::{DataError, Paper};
 use crate::results::Record;
 
-/// What is said of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Verdict {
-    /// What was measured is as claimed.
-    #[serde(rename = "holds")]
-    Holds,
-    /// What was measured is not as claimed.
-    #[serde(rename = "does not hold here")]
-    DoesNotHold,
-    /// What was measured does not tell.
-    #[serde(rename = "undecided")]
-    Undecided,
-    /// Nothing here can tell.
-    #[serde(rename = "not measurable here")]
-    NotMeasurable,
-    /// What could tell was not measured, or lacks the rows for it.
-    #[serde(rename = "not measured")]
-    NotMeasured,
-}
-
-impl Verdict {
-    /// Every verdict.
-    pub const ALL: [Self; 5] =
-        [Self::Holds, Self::DoesNotHold, Self::Undecided, Self::NotMeasurable, Self::NotMeasured];
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::DoesNotHold => "does not hold here",
-            Self::Undecided => "undecided",
-            Self::NotMeasurable => "not measurable here",
-            Self::NotMeasured => "not measured",
-        }
+named! {
+    /// What is said of a claim.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+    pub enum Verdict {
+        /// What was measured is as claimed.
+        #[serde(rename = "holds")]
+        Holds = "holds",
+        /// What was measured is not as claimed.
+        #[serde(rename = "does not hold here")]
+        DoesNotHold = "does not hold here",
+        /// What was measured does not tell.
+        #[serde(rename = "undecided")]
+        Undecided = "undecided",
+        /// Nothing here can tell.
+        #[serde(rename = "not measurable here")]
+        NotMeasurable = "not measurable here",
+        /// What could tell was not measured, or lacks the rows for it.
+        #[serde(rename = "not measured")]
+        NotMeasured = "not measured",
     }
 }
 

@@ -3,33 +3,21 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize, de};
-use tracebench_api::Query;
+use tracebench_api::{Query, named};
 
 use crate::statistics::percentile;
 
-/// A rule by which t is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Rule {
-    /// Only hit or miss.
-    HitMiss,
-    /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
-    Tight,
-    /// Hit point within one pixel of the common reference camera.
-    Footprint,
-}
-
-impl Rule {
-    /// Every rule.
-    pub const ALL: [Self; 3] = [Self::HitMiss, Self::Tight, Self::Footprint];
-
-    /// The name in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::HitMiss => "hit_miss",
-            Self::Tight => "tight",
-            Self::Footprint => "footprint",
-        }
+named! {
+    /// A rule by which t is judged.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Rule {
+        /// Only hit or miss.
+        HitMiss = "hit_miss",
+        /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
+        Tight = "tight",
+        /// Hit point within one pixel of the common reference camera.
+        Footprint = "footprint",
     }
 }
 

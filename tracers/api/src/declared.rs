@@ -56,7 +56,7 @@ impl<C: Choice> ParameterType for C {
     }
 }
 
-/// Declares named values: an enum that is a [`Choice`], each variant with its name on the command line and in results.
+/// Declares named values: enums that are a [`Choice`] each, every variant with its name on the command line and in results.
 ///
 /// ```
 /// use tracebench_api::{Choice, choice};
@@ -64,15 +64,17 @@ impl<C: Choice> ParameterType for C {
 /// choice! {
 ///     /// Where a hit is placed.
 ///     enum HitPoint { Step = "step", Depth = "depth" }
+///     /// Whether something is done.
+///     enum Switch { Off = "off", On = "on" }
 /// }
 /// assert_eq!(HitPoint::Depth.name(), "depth");
 /// assert_eq!(HitPoint::NAMES, ["step", "depth"]);
 /// ```
 #[macro_export]
 macro_rules! choice {
-    ($(#[$attribute:meta])* $vis:vis enum $Name:ident {
+    ($($(#[$attribute:meta])* $vis:vis enum $Name:ident {
         $($(#[$of_variant:meta])* $Variant:ident = $name:literal),+ $(,)?
-    }) => {
+    })+) => {$(
         $(#[$attribute])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         $vis enum $Name {
@@ -84,6 +86,30 @@ macro_rules! choice {
             const NAMES: &'static [&'static str] = &[$($name),+];
 
             fn name(self) -> &'static str {
+                match self { $(Self::$Variant => $name),+ }
+            }
+        }
+    )+};
+}
+
+/// Declares an enum whose variants have names in results, in tables or on the command line, with `ALL` of them in order and `name`. The
+/// code of one with `repr(u32)` is its place.
+#[macro_export]
+macro_rules! named {
+    ($(#[$attribute:meta])* $vis:vis enum $Name:ident {
+        $($(#[$of_variant:meta])* $Variant:ident = $name:literal),+ $(,)?
+    }) => {
+        $(#[$attribute])*
+        $vis enum $Name {
+            $($(#[$of_variant])* $Variant),+
+        }
+
+        impl $Name {
+            /// Every one, in order.
+            $vis const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
+
+            /// Its name.
+            $vis fn name(self) -> &'static str {
                 match self { $(Self::$Variant => $name),+ }
             }
         }

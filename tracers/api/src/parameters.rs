@@ -1,5 +1,6 @@
 //! Parameters as data: what a tracer can be told, within which range, and to what effect.
 
+use crate::named;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -79,26 +80,15 @@ pub struct ParameterDescription {
     pub sweep: Vec<Value>,
 }
 
-/// Named sets of values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    /// As the paper says; what a tracer's plain name means, always.
-    Published,
-    /// The best that this suite knows.
-    Improved,
-}
-
-impl Preset {
-    /// Every preset.
-    pub const ALL: [Preset; 2] = [Self::Published, Self::Improved];
-
-    /// The name used on the command line and in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::Improved => "improved",
-        }
+named! {
+    /// Named sets of values.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Preset {
+        /// As the paper says; what a tracer's plain name means, always.
+        Published = "published",
+        /// The best that this suite knows.
+        Improved = "improved",
     }
 }
 

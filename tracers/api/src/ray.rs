@@ -1,5 +1,6 @@
 //! Rays, hits and their statuses, in the layout that host and device share.
 
+use crate::named;
 use bytemuck::{Pod, Zeroable};
 
 /// A ray: `origin + t * direction` for `t_min <= t <= t_max`. 32 bytes, the same layout on the device.
@@ -53,59 +54,35 @@ impl Hit {
     }
 }
 
-/// What a method saw when it ended a ray. The *cause* of a wrong answer is not told here: the judge finds it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-#[repr(u32)]
-pub enum Status {
-    /// The poison: no answer was written.
-    Unwritten = 0,
-    /// A hit.
-    Hit = 1,
-    /// The whole ray was searched and nothing found.
-    Miss = 2,
-    /// Nothing found before the ray left (or without its ever entering) the views that the method holds.
-    LeftViews = 3,
-    /// The step limit was reached.
-    StepCap = 4,
-    /// Nothing found; the ray passed behind at least one stored surface by more than the thickness.
-    ThicknessRejected = 5,
-    /// Nothing found; the ray passed through space that the method's last layer hides, and what lies there it does not know.
-    BehindLastLayer = 6,
-    /// A hit that the method made up where the ray entered space that its layers hide: on what its image shows just before.
-    Inpainted = 7,
+named! {
+    /// What a method saw when it ended a ray. The *cause* of a wrong answer is not told here: the judge finds it.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+    #[serde(rename_all = "snake_case")]
+    #[repr(u32)]
+    pub enum Status {
+        /// The poison: no answer was written.
+        Unwritten = "unwritten",
+        /// A hit.
+        Hit = "hit",
+        /// The whole ray was searched and nothing found.
+        Miss = "miss",
+        /// Nothing found before the ray left (or without its ever entering) the views that the method holds.
+        LeftViews = "left_views",
+        /// The step limit was reached.
+        StepCap = "step_cap",
+        /// Nothing found; the ray passed behind at least one stored surface by more than the thickness.
+        ThicknessRejected = "thickness_rejected",
+        /// Nothing found; the ray passed through space that the method's last layer hides, and what lies there it does not know.
+        BehindLastLayer = "behind_last_layer",
+        /// A hit that the method made up where the ray entered space that its layers hide: on what its image shows just before.
+        Inpainted = "inpainted",
+    }
 }
 
 impl Status {
-    /// Every status, by code.
-    pub const ALL: [Status; 8] = [
-        Self::Unwritten,
-        Self::Hit,
-        Self::Miss,
-        Self::LeftViews,
-        Self::StepCap,
-        Self::ThicknessRejected,
-        Self::BehindLastLayer,
-        Self::Inpainted,
-    ];
-
     /// The status of a code, `None` for a code that does not exist.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.get(code as usize).copied()
-    }
-
-    /// The name used in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Unwritten => "unwritten",
-            Self::Hit => "hit",
-            Self::Miss => "miss",
-            Self::LeftViews => "left_views",
-            Self::StepCap => "step_cap",
-            Self::ThicknessRejected => "thickness_rejected",
-            Self::BehindLastLayer => "behind_last_layer",
-            Self::Inpainted => "inpainted",
-        }
     }
 
     /// Whether it says that something was hit; what was made up counts.
@@ -129,29 +106,20 @@ impl Query {
     pub const ALL: [Query; 2] = [Self::Closest, Self::Any];
 }
 
-/// How far a trace goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TraceTo {
-    /// `t`, identity and status are resident.
-    #[default]
-    Hit,
-    /// Position, normal and material of what was hit are resident too, as [`Surface`]s.
-    Surface,
+named! {
+    /// How far a trace goes.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum TraceTo {
+        /// `t`, identity and status are resident.
+        #[default]
+        Hit = "hit",
+        /// Position, normal and material of what was hit are resident too, as [`Surface`]s.
+        Surface = "surface",
+    }
 }
 
 impl TraceTo {
-    /// Every end point.
-    pub const ALL: [TraceTo; 2] = [Self::Hit, Self::Surface];
-
-    /// The name used on the command line and in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hit => "hit",
-            Self::Surface => "surface",
-        }
-    }
-
     /// The end point of a name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|end| end.name() == name)
@@ -181,38 +149,27 @@ impl Surface {
     }
 }
 
-/// How a [`Surface`] came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-#[repr(u32)]
-pub enum SurfaceStatus {
-    /// The poison: nothing was written.
-    Unwritten = 0,
-    /// The surface that the ray hit.
-    Written = 1,
-    /// The ray has no hit.
-    NoHit = 2,
-    /// The ray has a hit, and what fetches surfaces did not find it.
-    Lost = 3,
+named! {
+    /// How a [`Surface`] came about.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+    #[serde(rename_all = "snake_case")]
+    #[repr(u32)]
+    pub enum SurfaceStatus {
+        /// The poison: nothing was written.
+        Unwritten = "unwritten",
+        /// The surface that the ray hit.
+        Written = "written",
+        /// The ray has no hit.
+        NoHit = "no_hit",
+        /// The ray has a hit, and what fetches surfaces did not find it.
+        Lost = "lost",
+    }
 }
 
 impl SurfaceStatus {
-    /// Every status, by code.
-    pub const ALL: [SurfaceStatus; 4] = [Self::Unwritten, Self::Written, Self::NoHit, Self::Lost];
-
     /// The status of a code, `None` for a code that does not exist.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.get(code as usize).copied()
-    }
-
-    /// The name used in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Unwritten => "unwritten",
-            Self::Written => "written",
-            Self::NoHit => "no_hit",
-            Self::Lost => "lost",
-        }
     }
 }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query, RayBuffer,
-    SampledImage, TraceTo, TracerError, Viewpoint, VoxelGrid,
+    SampledImage, TraceTo, TracerError, Viewpoint, VoxelGrid, named,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -121,30 +121,18 @@ pub trait Tracer {
     ) -> Result<Box<dyn Structure>, TracerError>;
 }
 
-/// How a structure follows a scene that moved or an eye that did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Update {
-    /// Built anew, in the memory that it has where that serves: the hits are those of a fresh build.
-    Rebuild,
-    /// Its shape kept and fitted to moved vertices of the same triangles: the hits are right, if slower to find.
-    Refit,
-    /// Kept as it is. Where the change invalidates it ([`TracerDescription::invalidated_by`]) its hits are those of before:
-    /// stale.
-    Reuse,
-}
-
-impl Update {
-    /// Every way.
-    pub const ALL: [Update; 3] = [Self::Rebuild, Self::Refit, Self::Reuse];
-
-    /// The name used in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rebuild => "rebuild",
-            Self::Refit => "refit",
-            Self::Reuse => "reuse",
-        }
+named! {
+    /// How a structure follows a scene that moved or an eye that did.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Update {
+        /// Built anew, in the memory that it has where that serves: the hits are those of a fresh build.
+        Rebuild = "rebuild",
+        /// Its shape kept and fitted to moved vertices of the same triangles: the hits are right, if slower to find.
+        Refit = "refit",
+        /// Kept as it is. Where the change invalidates it ([`TracerDescription::invalidated_by`]) its hits are those of before:
+        /// stale.
+        Reuse = "reuse",
     }
 }
 

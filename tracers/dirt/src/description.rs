@@ -7,79 +7,34 @@ use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access
 choice! {
     /// Pixels along a tile's edge.
     pub(crate) enum TileSize { One = "1", Two = "2", Four = "4", Eight = "8" }
-}
-
-choice! {
     /// Which views there are.
     pub(crate) enum Views { Six = "six", Frame = "frame" }
-}
-
-choice! {
     /// Where the faces' centres lie.
     pub(crate) enum Centre { PulledBack = "pulled_back", Eye = "eye" }
-}
-
-choice! {
     /// Where the near plane is.
     pub(crate) enum Near { Viewpoint = "viewpoint", None = "none" }
-}
-
-choice! {
     /// Which tiles keep a triangle.
     pub(crate) enum Coverage { Conservative = "conservative", Standard = "standard" }
-}
-
-choice! {
     /// What gives a triangle's depths in a tile.
     pub(crate) enum Clip { Polygon = "polygon", Plane = "plane" }
-}
-
-choice! {
     /// Whether the camera's frame is drawn, too.
     pub(crate) enum DirectVisibility { Off = "off", On = "on" }
-}
-
-choice! {
     /// Whether rays to the light are looked up in a shadow map.
     pub(crate) enum ShadowMap { Off = "off", On = "on" }
-}
-
-choice! {
     /// When a hit counts.
     pub(crate) enum Accept { Tile = "tile", Distance = "distance" }
-}
-
-choice! {
     /// Which buckets of a tile are searched.
     pub(crate) enum Searched { UntilHit = "until_hit", All = "all" }
-}
-
-choice! {
     /// How a ray goes over the tiles of a view.
     pub(crate) enum March { HiZ = "hi-z", Tiles = "tiles" }
-}
-
-choice! {
     /// How rays are walked that pass near a view's centre.
     pub(crate) enum CentreRays { Whole = "whole", Split = "split" }
-}
-
-choice! {
     /// How what lies in a tile is stored.
     pub(crate) enum Lists { Linked = "linked", Packed = "packed", Slices = "sliced", Trees = "trees" }
-}
-
-choice! {
     /// What depths the slices of packed lists span.
     pub(crate) enum Spacing { DepthRange = "depth_range", NearFar = "near_far" }
-}
-
-choice! {
     /// In which order a tile's tree is walked.
     pub(crate) enum Order { Nearest = "nearest", Stored = "stored" }
-}
-
-choice! {
     /// How surfaces are fetched.
     pub(crate) enum Fetching { Raster = "raster", Gather = "gather" }
 }

@@ -7,9 +7,6 @@ use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access
 choice! {
     /// Whether something is done.
     pub(crate) enum Switch { On = "on", Off = "off" }
-}
-
-choice! {
     /// How a pixel keeps its fragments (VVP16, section 4.3).
     pub(crate) enum Kind {
         /// A contiguous piece of the nodes, by count and prefix sum:
@@ -23,54 +20,24 @@ choice! {
         /// Lists linked both ways, in depth buckets:
         Dllb = "dllb",
     }
-}
-
-choice! {
     /// What is kept of a triangle in a pixel.
     pub(crate) enum Fragments { Points = "points", Planes = "planes" }
-}
-
-choice! {
     /// What a plane keeps of its triangle's outline.
     pub(crate) enum Outline { Filled = "filled", Masked = "masked" }
-}
-
-choice! {
     /// Which pixels a triangle has fragments in.
     pub(crate) enum Coverage { Sample = "sample", Conservative = "conservative" }
-}
-
-choice! {
     /// Which views there are.
     pub(crate) enum Views { Seven = "seven", Six = "six", Frame = "frame" }
-}
-
-choice! {
     /// Which fragments of a pixel are kept.
     pub(crate) enum Layers { All = "all", One = "one" }
-}
-
-choice! {
     /// What draws the depth bounds.
     pub(crate) enum Bounds { Geometry = "geometry", Boxes = "boxes" }
-}
-
-choice! {
     /// Where the faces' centres lie.
     pub(crate) enum Centre { PulledBack = "pulled_back", Eye = "eye" }
-}
-
-choice! {
     /// How a ray goes over a view; in the order of the shader's codes.
     pub(crate) enum March { Steps = "steps", Pixels = "pixels", HiZ = "hi-z" }
-}
-
-choice! {
     /// The depths that a step asks for.
     pub(crate) enum Span { Step = "step", Pixel = "pixel" }
-}
-
-choice! {
     /// The unit of thickness.
     pub(crate) enum ThicknessUnit { Diagonals = "diagonals", Pixels = "pixels" }
 }

@@ -7,14 +7,8 @@ use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access
 choice! {
     /// What the pyramid has of a cell.
     pub(crate) enum Pyramid { MinMax = "min-max", Max = "max" }
-}
-
-choice! {
     /// How it is found where in its pixel a ray comes behind the surface.
     pub(crate) enum Search { Halvings = "halvings", Closed = "closed" }
-}
-
-choice! {
     /// Whether something is done.
     pub(crate) enum Switch { Off = "off", On = "on" }
 }

@@ -7,29 +7,14 @@ use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access
 choice! {
     /// Where in its step a hit is placed; in the order of the shader's codes.
     pub(crate) enum HitPoint { Step = "step", Depth = "depth" }
-}
-
-choice! {
     /// How a ray goes over its samples.
     pub(crate) enum March { Pixels = "pixels", HiZ = "hi-z", Cells = "cells" }
-}
-
-choice! {
     /// What says how thick a stored surface is.
     pub(crate) enum ThicknessFrom { Assumed = "assumed", BackFaces = "back_faces" }
-}
-
-choice! {
     /// What thickness is a share of.
     pub(crate) enum ThicknessUnit { Diagonals = "diagonals", Depth = "depth" }
-}
-
-choice! {
     /// Whether rays hit what they meet from the side that the view does not see.
     pub(crate) enum FromBehind { Hit = "hit", Pass = "pass" }
-}
-
-choice! {
     /// Whether something is done.
     pub(crate) enum Switch { Off = "off", On = "on" }
 }

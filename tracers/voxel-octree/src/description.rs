@@ -9,9 +9,6 @@ use crate::layout::MAX_LEVELS;
 choice! {
     /// How the node that holds the next voxel is found.
     pub(crate) enum Traversal { Restart = "restart", Stack = "stack" }
-}
-
-choice! {
     /// Where a ray hits a voxel; in the order of the shader's codes.
     pub(crate) enum HitPlace { Entry = "entry", Centre = "centre" }
 }

@@ -7,6 +7,7 @@
 //! where it moves. Where the intervals of two methods overlap nobody can tell which is cheaper.
 
 use super::field::Amount;
+use tracebench_api::named;
 
 /// How far beyond the measured numbers of rays costs are compared with one another, times.
 pub const BEYOND: f64 = 16.0;
@@ -15,28 +16,16 @@ pub const BEYOND: f64 = 16.0;
 const STEPS: u32 = 240;
 const HALVINGS: u32 = 40;
 
-/// What becomes of the geometry from frame to frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Motion {
-    /// It stands still: structures are kept.
-    Static,
-    /// Its vertices move: structures are refitted, or built where a method cannot.
-    Refitted,
-    /// It is another one in every frame: structures are built.
-    Rebuilt,
-}
-
-impl Motion {
-    /// Every motion.
-    pub const ALL: [Self; 3] = [Self::Static, Self::Refitted, Self::Rebuilt];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Static => "static",
-            Self::Refitted => "refitted",
-            Self::Rebuilt => "rebuilt",
-        }
+named! {
+    /// What becomes of the geometry from frame to frame.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Motion {
+        /// It stands still: structures are kept.
+        Static = "static",
+        /// Its vertices move: structures are refitted, or built where a method cannot.
+        Refitted = "refitted",
+        /// It is another one in every frame: structures are built.
+        Rebuilt = "rebuilt",
     }
 }
 

@@ -1,5 +1,7 @@
 //! Fronts: of points with a cost and an error those that no other beats in both.
 
+use tracebench_api::named;
+
 /// A point's cost and error; less is better of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostAndError {
@@ -9,25 +11,16 @@ pub struct CostAndError {
     pub error: f64,
 }
 
-/// How a point stands to a front.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FrontStatus {
-    /// Nothing is better in one and as good in the other.
-    OnFront,
-    /// Points of the front are, but none of them by more than noise, neither in cost nor in error.
-    WithinNoise,
-    /// Behind the front.
-    Behind,
-}
-
-impl FrontStatus {
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OnFront => "front",
-            Self::WithinNoise => "within_noise",
-            Self::Behind => "behind",
-        }
+named! {
+    /// How a point stands to a front.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum FrontStatus {
+        /// Nothing is better in one and as good in the other.
+        OnFront = "front",
+        /// Points of the front are, but none of them by more than noise, neither in cost nor in error.
+        WithinNoise = "within_noise",
+        /// Behind the front.
+        Behind = "behind",
     }
 }
 

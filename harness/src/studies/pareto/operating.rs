@@ -2,6 +2,7 @@
 //! them on rays and from a viewpoint by which they were not chosen.
 
 use std::collections::BTreeSet;
+use tracebench_api::named;
 
 use super::field::{By, Cost, Entry, Field, Wrong};
 use crate::results::FrontPoint;
@@ -9,30 +10,20 @@ use crate::results::FrontPoint;
 /// Agreements that are asked for.
 pub const LEVELS: [f64; 3] = [0.99, 0.999, 0.9999];
 
-/// What an operating point is chosen for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Aim {
-    /// The shortest trace.
-    Fastest,
-    /// The fewest bytes.
-    Smallest,
-    /// The shortest build.
-    QuickestBuilt,
+named! {
+    /// What an operating point is chosen for.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Aim {
+        /// The shortest trace.
+        Fastest = "fastest",
+        /// The fewest bytes.
+        Smallest = "smallest",
+        /// The shortest build.
+        QuickestBuilt = "quickest to build",
+    }
 }
 
 impl Aim {
-    /// Every aim.
-    pub const ALL: [Self; 3] = [Self::Fastest, Self::Smallest, Self::QuickestBuilt];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fastest => "fastest",
-            Self::Smallest => "smallest",
-            Self::QuickestBuilt => "quickest to build",
-        }
-    }
-
     /// What it makes least.
     pub fn cost(self) -> Cost {
         match self {

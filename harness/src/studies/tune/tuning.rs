@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use tracebench_api::Query;
+use tracebench_api::{Query, named};
 
 use super::choice::choose;
 use crate::judge::Rule;
@@ -96,31 +96,18 @@ pub struct Judged {
     pub judgement: Judgement,
 }
 
-/// How a value was come by: which rays have seen it beforehand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Label {
-    /// The value of the tracer's preset: no rays.
-    Default,
-    /// The best on the judged rays themselves: what no user has.
-    TunedHere,
-    /// The best from the scene's other viewpoint.
-    TunedElsewhere,
-    /// The best on average over the other scenes' own viewpoints.
-    TunedOnOtherScenes,
-}
-
-impl Label {
-    /// Every label.
-    pub const ALL: [Self; 4] = [Self::Default, Self::TunedHere, Self::TunedElsewhere, Self::TunedOnOtherScenes];
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Default => "default",
-            Self::TunedHere => "tuned here",
-            Self::TunedElsewhere => "tuned elsewhere",
-            Self::TunedOnOtherScenes => "tuned on the other scenes",
-        }
+named! {
+    /// How a value was come by: which rays have seen it beforehand.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Label {
+        /// The value of the tracer's preset: no rays.
+        Default = "default",
+        /// The best on the judged rays themselves: what no user has.
+        TunedHere = "tuned here",
+        /// The best from the scene's other viewpoint.
+        TunedElsewhere = "tuned elsewhere",
+        /// The best on average over the other scenes' own viewpoints.
+        TunedOnOtherScenes = "tuned on the other scenes",
     }
 }
 

@@ -7,9 +7,6 @@ use tracebench_api::{
 choice! {
     /// What the driver favours.
     pub(crate) enum Preference { FastTrace = "fast_trace", FastBuild = "fast_build" }
-}
-
-choice! {
     /// Which of the triangles at equal t a closest hit names.
     pub(crate) enum EqualT { Lowest = "lowest", FirstMet = "first_met" }
 }
