@@ -9,6 +9,30 @@ use crate::scene::{Material, Mesh};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MaterialId(u32);
 
+/// Declares the `Palette` of a scene, what things are made of: names with base colours, and metallic and roughness where these are not matt;
+/// under a name with a number stand as many colours.
+macro_rules! palette {
+    (@type) => { MaterialId };
+    (@type $count:literal) => { [MaterialId; $count] };
+    (@finish) => { [0.0, 0.9] };
+    (@finish $metallic:literal, $roughness:literal) => { [$metallic, $roughness] };
+    (@make $builder:ident, $color:expr, $finish:expr) => { $builder.material($color, $finish[0], $finish[1]) };
+    (@make $builder:ident, $colors:expr, $finish:expr, $count:literal) => {
+        $colors.map(|color| palette!(@make $builder, color, $finish))
+    };
+    ($($name:ident $([$count:literal])?: $color:expr $(, $metallic:literal, $roughness:literal)?;)+) => {
+        /// What things are made of.
+        struct Palette { $($name: palette!(@type $($count)?)),+ }
+
+        impl Palette {
+            fn new(builder: &mut MeshBuilder) -> Self {
+                Self { $($name: palette!(@make builder, $color, palette!(@finish $($metallic, $roughness)?) $(, $count)?)),+ }
+            }
+        }
+    };
+}
+pub(super) use palette;
+
 /// How a stack of rings ends.
 pub(super) enum Ends {
     /// With a fan around a point before the first ring and one after the last.

@@ -69,7 +69,7 @@ pub(super) fn wheel(
     [radius, thick]: [f64; 2],
     spokes: usize,
 ) {
-    torus(builder, rim, [detail.around(10), detail.around(36)], DVec3::ZERO, [radius - thick, thick]);
+    torus(builder, rim, detail.ring(10, 36), DVec3::ZERO, [radius - thick, thick]);
     let width = thick * 2.2;
     let profile = straight_profile(
         &[[0.0, -width], [0.17 * radius, -width], [0.2 * radius, 0.0], [0.17 * radius, width], [0.0, width]],
@@ -80,6 +80,6 @@ pub(super) fn wheel(
         let angle = TURN * spoke as f64 / spokes as f64;
         let out = DVec3::new(cos(angle), 0.0, sin(angle));
         let ends = [out * (0.12 * radius), out * (radius - thick)];
-        rod(builder, rim, [detail.around(8), detail.along(4)], ends, thick * 0.5);
+        rod(builder, rim, detail.tube(8, 4), ends, thick * 0.5);
     }
 }

@@ -84,4 +84,24 @@ impl Detail {
     pub(crate) fn along(self, base: usize) -> usize {
         self.divide(base, 1)
     }
+
+    /// Divisions along several sides.
+    pub(crate) fn sides<const N: usize>(self, base: [usize; N]) -> [usize; N] {
+        base.map(|base| self.along(base))
+    }
+
+    /// Divisions around something round and along it.
+    pub(crate) fn tube(self, around: usize, along: usize) -> [usize; 2] {
+        [self.around(around), self.along(along)]
+    }
+
+    /// Divisions around something round that is bent: along it never fewer than `least`.
+    pub(crate) fn bend(self, around: usize, [along, least]: [usize; 2]) -> [usize; 2] {
+        [self.around(around), self.divide(along, least)]
+    }
+
+    /// Divisions around the tube of a ring and around the ring.
+    pub(crate) fn ring(self, tube: usize, around: usize) -> [usize; 2] {
+        [self.around(tube), self.around(around)]
+    }
 }

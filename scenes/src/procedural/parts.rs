@@ -160,11 +160,11 @@ pub(super) fn ladder(
 ) {
     let radius = 0.035 * side.length() * 2.0;
     for face in [-1.0, 1.0] {
-        rod(builder, material, [detail.around(8), detail.along(10)], [from + side * face, to + side * face], radius);
+        rod(builder, material, detail.tube(8, 10), [from + side * face, to + side * face], radius);
     }
     for rung in 0..rungs {
         let middle = from + (to - from) * ((rung as f64 + 0.5) / rungs as f64);
-        rod(builder, material, [detail.around(6), detail.along(4)], [middle - side, middle + side], radius * 0.7);
+        rod(builder, material, detail.tube(6, 4), [middle - side, middle + side], radius * 0.7);
     }
 }
 
@@ -173,7 +173,7 @@ pub(super) fn plank_crate(builder: &mut MeshBuilder, [core, board]: [MaterialId;
     let half = size / 2.0;
     let thick = 0.03 * size.y;
     let wide = 0.07 * size.y;
-    let [fine, along] = [detail.along(1), detail.along(2)];
+    let [fine, along] = detail.sides([1, 2]);
     let inset = DVec3::new(thick, 0.0, thick);
     cuboid(
         builder,

@@ -49,7 +49,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 /// Plinth, base, shaft with twelve flutes, capital, and the pier above.
 fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &Storey) {
     let r = storey.radius;
-    let fine = [detail.along(2), detail.along(2), detail.along(2)];
+    let fine = detail.sides([2, 2, 2]);
     let square = |half: f64, y: f64| DVec3::new(half, y, half);
     cuboid(builder, palette.stone, square(-1.55 * r, -SUNK), square(1.55 * r, 0.16), fine);
     let base = smooth_profile(
@@ -115,10 +115,8 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
     };
     let shares = steps(0.0, 1.0, along);
     // From the curve (x = 0) to the top (x = 1), and from back to front.
-    let wall = outline(
-        &[[0.0, -0.17], [1.0, -0.17], [1.0, 0.17], [0.0, 0.17]].map(DVec2::from_array),
-        &[detail.along(4), detail.along(2)],
-    );
+    let wall =
+        outline(&[[0.0, -0.17], [1.0, -0.17], [1.0, 0.17], [0.0, 0.17]].map(DVec2::from_array), &detail.sides([4, 2]));
     let point = |t: f64, at: DVec2| {
         let low = curve(t, 0.0);
         DVec3::new(low.x, mix(low.y, storey.top, at.x), at.y)
@@ -128,7 +126,7 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
     builder.rings(palette.wall, along + 1, wall.len(), &ends, |ring, at| point(shares[ring], wall[at]));
     let moulding = outline(
         &[[-0.03, -0.21], [0.14, -0.21], [0.14, 0.21], [-0.03, 0.21]].map(DVec2::from_array),
-        &[detail.along(1), detail.along(2)],
+        &detail.sides([1, 2]),
     );
     let point = |t: f64, at: DVec2| curve(t, at.x).extend(at.y);
     let ends = Ends::Closed(point(0.0, DVec2::new(0.05, 0.0)), point(1.0, DVec2::new(0.05, 0.0)));
@@ -139,7 +137,7 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
 fn balustrade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, half: f64) {
     let here = builder.frame;
     let reach = half - 0.15;
-    let divisions = [detail.along(12), detail.along(1), detail.along(2)];
+    let divisions = detail.sides([12, 1, 2]);
     let bar = |builder: &mut MeshBuilder, [y0, y1]: [f64; 2], deep: f64| {
         let min = DVec3::new(-reach, y0, -deep);
         cuboid(builder, palette.stone, min, DVec3::new(reach, y1, deep), divisions);

@@ -117,7 +117,7 @@ fn fountain(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         let angle = TURN * f64::from(jet) / 8.0;
         let out = DVec3::new(cos(angle), 0.0, sin(angle));
         let path = |t: f64| out * mix(0.7, 1.35, t) + DVec3::Y * (1.2 + 0.55 * t - 1.35 * t * t);
-        tube(builder, palette.water, [detail.around(8), detail.divide(16, 4)], path, |t| mix(0.02, 0.012, t));
+        tube(builder, palette.water, detail.bend(8, [16, 4]), path, |t| mix(0.02, 0.012, t));
     }
 }
 
@@ -127,14 +127,14 @@ fn hang(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, key: usize
     drape(builder, palette.cloth[key % 3], [detail.divide(24, 6), detail.divide(10, 2)], &cloth);
     let half = width * 0.56;
     let ends = [DVec3::new(-half, top - 0.01, 0.0), DVec3::new(half, top - 0.01, 0.0)];
-    rod(builder, palette.iron, [detail.around(8), detail.along(6)], ends, 0.016);
+    rod(builder, palette.iron, detail.tube(8, 6), ends, 0.016);
 }
 
 /// A lantern with a flame that hangs by a chain from height `top`.
 fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, top: f64) {
     let low = 3.2;
     let ends = [DVec3::Y * (top + 0.02), DVec3::Y * low];
-    chain(builder, palette.iron, [detail.around(6), detail.around(10)], ends, 0.0, [0.24, 0.018]);
+    chain(builder, palette.iron, detail.ring(6, 10), ends, 0.0, [0.24, 0.018]);
     let here = builder.frame;
     builder.frame = here.shift(DVec3::Y * (low - 0.5));
     let cap = smooth_profile(&[[0.0, 0.38], [0.2, 0.4], [0.12, 0.46], [0.04, 0.5], [0.0, 0.52]], detail.divide(10, 4));
@@ -146,7 +146,7 @@ fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, top: f6
         let angle = TURN * f64::from(bar) / 6.0;
         let out = DVec3::new(cos(angle), 0.0, sin(angle));
         let ends = [out * 0.15 + DVec3::Y * 0.06, out * 0.18 + DVec3::Y * 0.4];
-        rod(builder, palette.iron, [detail.around(6), detail.along(4)], ends, 0.008);
+        rod(builder, palette.iron, detail.tube(6, 4), ends, 0.008);
     }
     ball(builder, palette.flame, DVec3::Y * 0.14, 0.07, detail.around(12));
 }
@@ -165,7 +165,7 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, random: &
         let (reach, tall) = (random.between(0.3, 0.95), random.between(0.9, 1.7));
         let droop = random.between(0.1, 0.4);
         let path = |t: f64| out * (0.08 + reach * t * t) + DVec3::Y * (0.5 + tall * (t - droop * t * t * t));
-        ribbon(builder, palette.leaf, [detail.around(6), detail.divide(10, 4)], Some(side), path, |t| {
+        ribbon(builder, palette.leaf, detail.bend(6, [10, 4]), Some(side), path, |t| {
             let body = sin(TURN / 2.0 * (0.1 + 0.88 * t));
             DVec2::new(0.008 + 0.06 * body * body, 0.003 + 0.004 * (1.0 - t))
         });
@@ -174,7 +174,7 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, random: &
 
 /// A polished bronze vase on a pedestal, with two handles.
 fn vase(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let fine = [detail.along(2), detail.along(4), detail.along(2)];
+    let fine = detail.sides([2, 4, 2]);
     cuboid(builder, palette.stone, DVec3::new(-0.28, -SUNK, -0.28), DVec3::new(0.28, 0.7, 0.28), fine);
     cuboid(builder, palette.stone, DVec3::new(-0.33, 0.66, -0.33), DVec3::new(0.33, 0.76, 0.33), fine);
     let profile = smooth_profile(
@@ -202,9 +202,9 @@ fn vase(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             let angle = TURN * mix(-0.22, 0.25, t);
             DVec3::new(face * (0.2 + 0.14 * cos(angle)), 1.48 + 0.17 * sin(angle), 0.0)
         };
-        tube(builder, palette.bronze, [detail.around(8), detail.divide(18, 4)], path, |_| 0.018);
+        tube(builder, palette.bronze, detail.bend(8, [18, 4]), path, |_| 0.018);
     }
-    torus(builder, palette.bronze, [detail.around(8), detail.around(32)], DVec3::Y * 1.25, [0.315, 0.014]);
+    torus(builder, palette.bronze, detail.ring(8, 32), DVec3::Y * 1.25, [0.315, 0.014]);
 }
 
 fn bench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {

@@ -9,7 +9,7 @@ mod shell;
 
 use glam::DVec3;
 
-use super::builder::{MaterialId, MeshBuilder};
+use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{Frame, TURN};
 use super::{Built, Detail, NamedPose, cameras, path};
 
@@ -26,46 +26,22 @@ const SKY: f64 = 12.5;
 /// How deep things are sunk into what they stand on.
 const SUNK: f64 = 0.01;
 
-/// What things are made of.
-struct Palette {
-    wall: MaterialId,
-    floor: MaterialId,
-    tile: [MaterialId; 2],
-    sky: MaterialId,
-    stone: MaterialId,
-    marble: MaterialId,
-    trim: MaterialId,
-    wood: MaterialId,
-    iron: MaterialId,
-    bronze: MaterialId,
-    water: MaterialId,
-    clay: MaterialId,
-    leaf: MaterialId,
-    flame: MaterialId,
-    cloth: [MaterialId; 3],
-}
-
-impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        let mut matt = |color| builder.material(color, 0.0, 0.9);
-        Self {
-            wall: matt([0.72, 0.63, 0.5]),
-            floor: matt([0.5, 0.46, 0.4]),
-            tile: [matt([0.62, 0.57, 0.48]), matt([0.42, 0.36, 0.3])],
-            sky: matt([0.55, 0.74, 0.95]),
-            stone: matt([0.74, 0.68, 0.58]),
-            marble: matt([0.82, 0.79, 0.73]),
-            trim: matt([0.66, 0.56, 0.43]),
-            wood: matt([0.36, 0.23, 0.13]),
-            clay: matt([0.62, 0.33, 0.2]),
-            leaf: matt([0.16, 0.4, 0.12]),
-            flame: matt([0.98, 0.82, 0.45]),
-            cloth: [matt([0.62, 0.1, 0.08]), matt([0.12, 0.22, 0.5]), matt([0.14, 0.4, 0.2])],
-            iron: builder.material([0.25, 0.25, 0.26], 1.0, 0.5),
-            bronze: builder.material([0.8, 0.6, 0.35], 1.0, 0.08),
-            water: builder.material([0.72, 0.8, 0.85], 1.0, 0.0),
-        }
-    }
+palette! {
+    wall: [0.72, 0.63, 0.5];
+    floor: [0.5, 0.46, 0.4];
+    tile[2]: [[0.62, 0.57, 0.48], [0.42, 0.36, 0.3]];
+    sky: [0.55, 0.74, 0.95];
+    stone: [0.74, 0.68, 0.58];
+    marble: [0.82, 0.79, 0.73];
+    trim: [0.66, 0.56, 0.43];
+    wood: [0.36, 0.23, 0.13];
+    clay: [0.62, 0.33, 0.2];
+    leaf: [0.16, 0.4, 0.12];
+    flame: [0.98, 0.82, 0.45];
+    cloth[3]: [[0.62, 0.1, 0.08], [0.12, 0.22, 0.5], [0.14, 0.4, 0.2]];
+    iron: [0.25, 0.25, 0.26], 1.0, 0.5;
+    bronze: [0.8, 0.6, 0.35], 1.0, 0.08;
+    water: [0.72, 0.8, 0.85], 1.0, 0.0;
 }
 
 /// A side of the court: in its frame x runs along the columns and z from the court outwards.

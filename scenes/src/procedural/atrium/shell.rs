@@ -50,11 +50,11 @@ fn slabs(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let inside = |by: f64| DVec2::new(x - by, z - by);
     // Everything reaches into the wall by another depth, so that no faces coincide there.
     let outside = |by: f64| DVec2::new(x + GALLERY + by, z + GALLERY + by);
-    let divisions = [detail.along(16), detail.along(8), detail.along(1)];
+    let divisions = detail.sides([16, 8, 1]);
     border(builder, palette.floor, divisions, [inside(0.42), outside(0.3)], [FLOORS[1] - 0.45, FLOORS[1]]);
     border(builder, palette.trim, divisions, [inside(0.44), outside(0.32)], [8.7, 9.3]);
     // Mouldings under either edge and a gutter above.
-    let thin = [detail.along(16), detail.along(1), detail.along(1)];
+    let thin = detail.sides([16, 1, 1]);
     for (by, bottom, top) in
         [(0.5, 4.86, 4.95), (0.47, 4.7, 4.88), (0.52, 9.12, 9.24), (0.48, 8.94, 9.14), (0.58, 9.22, 9.36)]
     {
@@ -71,7 +71,7 @@ fn slabs(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 
 /// Doors below and windows above, in the outer wall of a side (its frame's plane z = 0).
 fn openings(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, side: &Side) {
-    let [fine, rows] = [detail.along(2), detail.along(4)];
+    let [fine, rows] = detail.sides([2, 4]);
     for bay in 0..side.bays {
         let x = side.column(bay) + side.half / side.bays as f64;
         let part =

@@ -77,9 +77,7 @@ fn man(candy: &mut Candy) {
         let angle = TURN * (0.6 + 0.3 * t);
         DVec3::new(0.09 * cos(angle), 0.01 + 0.09 * sin(angle), 0.072)
     };
-    tube(builder, palette.white, [detail.around(10), detail.divide(24, 4)], smile, |t| {
-        rounded(0.013, t.min(1.0 - t) * 0.17)
-    });
+    tube(builder, palette.white, detail.bend(10, [24, 4]), smile, |t| rounded(0.013, t.min(1.0 - t) * 0.17));
     builder.frame = Frame::WORLD;
 }
 
@@ -99,13 +97,7 @@ fn bear(candy: &mut Candy) {
     ellipsoid(builder, jelly, DVec3::new(0.0, 0.47, 0.015), DVec3::new(0.11, 0.1, 0.1), detail.around(40));
     ellipsoid(builder, jelly, DVec3::new(0.0, 0.45, 0.105), DVec3::new(0.05, 0.04, 0.04), detail.around(24));
     ball(builder, palette.chocolate, DVec3::new(0.0, 0.463, 0.143), 0.013, detail.around(10));
-    torus(
-        builder,
-        palette.gold,
-        [detail.around(10), detail.divide(30, 5)],
-        DVec3::new(0.0, 0.395, 0.0),
-        [0.085, 0.014],
-    );
+    torus(builder, palette.gold, detail.bend(10, [30, 5]), DVec3::new(0.0, 0.395, 0.0), [0.085, 0.014]);
     for side in [-1.0, 1.0] {
         let swing = 0.55 * sin(stride) * side;
         builder.frame = frame;

@@ -14,7 +14,7 @@ mod sweets;
 use glam::DVec3;
 
 use self::layout::Layout;
-use super::builder::{Ends, MaterialId, MeshBuilder};
+use super::builder::{Ends, MaterialId, MeshBuilder, palette};
 use super::math::{Frame, TURN, cos, sin};
 use super::{Built, Detail, NamedPose, cameras, path};
 
@@ -26,44 +26,24 @@ pub(crate) const DURATION_S: f64 = 4.0;
 /// Radius of the ground in metres.
 const GROUND: f64 = 6.0;
 
-/// What things are made of.
-struct Palette {
-    ground: MaterialId,
-    white: MaterialId,
-    red: MaterialId,
-    pink: MaterialId,
-    orange: MaterialId,
-    yellow: MaterialId,
-    green: MaterialId,
-    blue: MaterialId,
-    violet: MaterialId,
-    dough: MaterialId,
-    chocolate: MaterialId,
-    glass: MaterialId,
-    gold: MaterialId,
-    silver: MaterialId,
+palette! {
+    ground: [0.62, 0.8, 0.6];
+    white: [0.93, 0.91, 0.87], 0.0, 0.3;
+    red: [0.78, 0.08, 0.1], 0.0, 0.2;
+    pink: [0.92, 0.42, 0.58], 0.0, 0.3;
+    orange: [0.93, 0.45, 0.08], 0.0, 0.2;
+    yellow: [0.95, 0.8, 0.15], 0.0, 0.2;
+    green: [0.2, 0.66, 0.18], 0.0, 0.2;
+    blue: [0.15, 0.38, 0.82], 0.0, 0.2;
+    violet: [0.5, 0.2, 0.68], 0.0, 0.2;
+    dough: [0.55, 0.3, 0.13];
+    chocolate: [0.2, 0.1, 0.05], 0.0, 0.5;
+    glass: [0.8, 0.88, 0.9], 0.0, 0.02;
+    gold: [0.95, 0.76, 0.36], 1.0, 0.06;
+    silver: [0.92, 0.92, 0.94], 1.0, 0.02;
 }
 
 impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        Self {
-            ground: builder.material([0.62, 0.8, 0.6], 0.0, 0.9),
-            white: builder.material([0.93, 0.91, 0.87], 0.0, 0.3),
-            red: builder.material([0.78, 0.08, 0.1], 0.0, 0.2),
-            pink: builder.material([0.92, 0.42, 0.58], 0.0, 0.3),
-            orange: builder.material([0.93, 0.45, 0.08], 0.0, 0.2),
-            yellow: builder.material([0.95, 0.8, 0.15], 0.0, 0.2),
-            green: builder.material([0.2, 0.66, 0.18], 0.0, 0.2),
-            blue: builder.material([0.15, 0.38, 0.82], 0.0, 0.2),
-            violet: builder.material([0.5, 0.2, 0.68], 0.0, 0.2),
-            dough: builder.material([0.55, 0.3, 0.13], 0.0, 0.9),
-            chocolate: builder.material([0.2, 0.1, 0.05], 0.0, 0.5),
-            glass: builder.material([0.8, 0.88, 0.9], 0.0, 0.02),
-            gold: builder.material([0.95, 0.76, 0.36], 1.0, 0.06),
-            silver: builder.material([0.92, 0.92, 0.94], 1.0, 0.02),
-        }
-    }
-
     /// One of the colours, in turn.
     fn sweet(&self, number: usize) -> MaterialId {
         [self.red, self.yellow, self.green, self.pink, self.blue, self.orange, self.violet][number % 7]

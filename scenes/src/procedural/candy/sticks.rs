@@ -46,7 +46,7 @@ fn canes(candy: &mut Candy) {
                 DVec3::new(2.0 * crook, straight - 0.1 - (way - straight - arc), 0.0)
             }
         };
-        let [around, along] = [detail.around(16), detail.divide(76, 6)];
+        let [around, along] = detail.bend(16, [76, 6]);
         let colours = [palette.white, if number % 3 == 2 { palette.green } else { palette.red }];
         let turns = libm::round(5.0 * length);
         let stripe = |ring: usize, at: usize| {
@@ -70,7 +70,7 @@ fn coils(candy: &mut Candy) {
         let rope = 0.028 + 0.012 * tall;
         let turns = 4.5;
         let radius = rope * (1.05 + 2.06 * turns);
-        let stick = [detail.around(10), detail.along(12)];
+        let stick = detail.tube(10, 12);
         rod(
             builder,
             palette.white,
@@ -86,7 +86,7 @@ fn coils(candy: &mut Candy) {
             let from_middle = rope * (1.05 + 2.06 * turns * share);
             DVec3::new(from_middle * cos(angle), from_middle * sin(angle), 0.0)
         };
-        let [around, along] = [detail.around(12), detail.divide(200, 8)];
+        let [around, along] = detail.bend(12, [200, 8]);
         let colours = [palette.sweet(number), palette.white, palette.sweet(number + 3), palette.white];
         let stripe = |ring: usize, _: usize| colours[(32.0 * ring as f64 / along as f64) as usize % 4];
         let size = |t: f64| DVec2::splat(rounded(rope, t.min(1.0 - t) * 60.0 * rope));
@@ -104,7 +104,7 @@ fn swirls(candy: &mut Candy) {
         candy.place("swirl", at, yaw);
         let Candy { builder, palette, detail, .. } = candy;
         let radius = 0.14 + 0.1 * tall;
-        let stick = [detail.around(10), detail.along(12)];
+        let stick = detail.tube(10, 12);
         rod(
             builder,
             palette.white,

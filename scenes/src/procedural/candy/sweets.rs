@@ -32,7 +32,7 @@ fn doughnuts(candy: &mut Candy) {
         if upright {
             builder.frame = builder.frame.pitch(TURN / 4.0 - 0.12);
         }
-        let divisions = [detail.around(24), detail.divide(54, 8)];
+        let divisions = detail.bend(24, [54, 8]);
         torus(builder, palette.dough, divisions, DVec3::ZERO, [large, small]);
         let icing = if number % 2 == 0 { palette.pink } else { palette.chocolate };
         torus(builder, icing, divisions, DVec3::Y * (0.13 * small), [large, 0.93 * small]);
@@ -59,13 +59,13 @@ fn ring_stacks(candy: &mut Candy) {
         let count = 4 + number % 3;
         let (large, small) = (0.17, 0.07);
         let top = f64::from(count) * 2.05 * small + 0.1;
-        let stick = [detail.around(12), detail.along(16)];
+        let stick = detail.tube(12, 16);
         rod(builder, palette.white, stick, [DVec3::new(0.0, -0.05, 0.0), DVec3::new(0.0, top, 0.0)], 0.045);
         ball(builder, palette.gold, DVec3::Y * top, 0.075, detail.around(24));
         for ring in 0..count {
             let center = DVec3::Y * (small - 0.01 + f64::from(ring) * 2.05 * small);
             let material = palette.sweet((number * 3 + ring) as usize);
-            torus(builder, material, [detail.around(18), detail.divide(40, 6)], center, [large, small]);
+            torus(builder, material, detail.bend(18, [40, 6]), center, [large, small]);
         }
     }
 }
@@ -138,7 +138,7 @@ fn beans(candy: &mut Candy) {
             DVec3::new(bend * sin(angle), 0.0, bend * (cos(angle) - 0.9))
         };
         let radius = |t: f64| rounded(thick, t.min(1.0 - t) * bend * wide);
-        tube(builder, palette.sweet(number * 2 + 1), [detail.around(14), detail.divide(14, 4)], path, radius);
+        tube(builder, palette.sweet(number * 2 + 1), detail.bend(14, [14, 4]), path, radius);
     }
 }
 

@@ -47,7 +47,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         let size = random.between(0.12, 0.3);
         let rest = Frame::at(at.with_y(height(at.x, at.z) + 0.2 * size)).yaw(random.between(0.0, TURN));
         builder.frame = rest;
-        let [around, rows] = [detail.around(14), detail.divide(8, 2)];
+        let [around, rows] = detail.bend(14, [8, 2]);
         let phase = random.between(0.0, TURN);
         let point = |up: f64, turn: f64| {
             let bump = 1.0 + 0.12 * sin(3.0 * turn + phase) * sin(up) + 0.08 * sin(5.0 * up + 2.0 * turn);

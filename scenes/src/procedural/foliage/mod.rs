@@ -12,7 +12,7 @@ mod plants;
 
 use glam::DVec3;
 
-use super::builder::{MaterialId, MeshBuilder};
+use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{TURN, sin};
 use super::{Built, Detail, NamedPose, cameras, path};
 
@@ -26,28 +26,13 @@ const HALF: f64 = 12.0;
 /// Middle of the pool and its radius.
 const POOL: (DVec3, f64) = (DVec3::new(1.2, -0.12, 1.0), 1.9);
 
-/// What things are made of.
-struct Palette {
-    earth: MaterialId,
-    stone: MaterialId,
-    bark: [MaterialId; 2],
-    leaf: [MaterialId; 4],
-    grass: [MaterialId; 2],
-    water: MaterialId,
-}
-
-impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        let mut matt = |color| builder.material(color, 0.0, 0.9);
-        Self {
-            earth: matt([0.24, 0.22, 0.12]),
-            stone: matt([0.45, 0.45, 0.43]),
-            bark: [matt([0.3, 0.22, 0.15]), matt([0.62, 0.6, 0.55])],
-            leaf: [matt([0.13, 0.33, 0.09]), matt([0.22, 0.42, 0.1]), matt([0.34, 0.45, 0.12]), matt([0.5, 0.38, 0.1])],
-            grass: [matt([0.25, 0.45, 0.12]), matt([0.4, 0.48, 0.18])],
-            water: builder.material([0.5, 0.56, 0.6], 1.0, 0.0),
-        }
-    }
+palette! {
+    earth: [0.24, 0.22, 0.12];
+    stone: [0.45, 0.45, 0.43];
+    bark[2]: [[0.3, 0.22, 0.15], [0.62, 0.6, 0.55]];
+    leaf[4]: [[0.13, 0.33, 0.09], [0.22, 0.42, 0.1], [0.34, 0.45, 0.12], [0.5, 0.38, 0.1]];
+    grass[2]: [[0.25, 0.45, 0.12], [0.4, 0.48, 0.18]];
+    water: [0.5, 0.56, 0.6], 1.0, 0.0;
 }
 
 /// How many leaves and blades there are, and how large.

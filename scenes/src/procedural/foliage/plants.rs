@@ -108,7 +108,7 @@ fn tree(
     let lean = DVec3::new(random.between(-0.4, 0.4), height * 0.93, random.between(-0.4, 0.4));
     let bow = DVec3::new(random.between(-0.25, 0.25), 0.0, random.between(-0.25, 0.25));
     let trunk = Branch { from: root, to: root + lean, bow, radius: [height * 0.026, 0.02] };
-    wood(builder, palette.bark[kind.bark], [detail.around(12), detail.divide(16, 3)], wind, &plant, &trunk);
+    wood(builder, palette.bark[kind.bark], detail.bend(12, [16, 3]), wind, &plant, &trunk);
     let limbs = 15;
     for limb in 0..limbs {
         let up =
@@ -119,7 +119,7 @@ fn tree(
         let to = from + direction(heading, random.between(0.15, 0.65)) * long;
         let thick = mix(0.055, 0.02, up);
         let limb = Branch { from, to, bow: DVec3::Y * (-0.06 * long), radius: [thick, 0.012] };
-        wood(builder, palette.bark[kind.bark], [detail.around(7), detail.divide(8, 2)], wind, &plant, &limb);
+        wood(builder, palette.bark[kind.bark], detail.bend(7, [8, 2]), wind, &plant, &limb);
         for twig in 0..5 {
             let at = mix(0.35, 0.95, f64::from(twig) / 4.0);
             let side = if twig % 2 == 0 { 0.8 } else { -0.8 };
@@ -127,7 +127,7 @@ fn tree(
             let long = long * random.between(0.28, 0.42);
             let to = from + direction(heading + side + random.between(-0.3, 0.3), random.between(-0.2, 0.6)) * long;
             let twig = Branch { from, to, bow: DVec3::Y * (0.08 * long), radius: [0.012, 0.004] };
-            wood(builder, palette.bark[kind.bark], [detail.around(5), detail.divide(5, 1)], wind, &plant, &twig);
+            wood(builder, palette.bark[kind.bark], detail.bend(5, [5, 1]), wind, &plant, &twig);
             plant.twigs.push(twig);
         }
     }
@@ -154,7 +154,7 @@ fn shrub(
         let to = from + direction(heading, random.between(0.55, 1.4)) * long;
         let bow = direction(heading, 0.0) * (0.1 * long);
         let stem = Branch { from, to, bow, radius: [0.014, 0.004] };
-        wood(builder, palette.bark[kind.bark], [detail.around(5), detail.divide(8, 2)], wind, &plant, &stem);
+        wood(builder, palette.bark[kind.bark], detail.bend(5, [8, 2]), wind, &plant, &stem);
         plant.twigs.push(stem);
     }
     plant

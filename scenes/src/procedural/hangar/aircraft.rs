@@ -85,7 +85,7 @@ fn propeller(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, blade
         let out = DVec3::new(0.0, cos(angle), sin(angle));
         let across = DVec3::new(0.55, -sin(angle) * 0.8, cos(angle) * 0.8);
         let path = |t: f64| out * mix(0.1, radius, t);
-        ribbon(builder, palette.black, [detail.around(12), detail.divide(24, 6)], Some(across), path, |t| {
+        ribbon(builder, palette.black, detail.bend(12, [24, 6]), Some(across), path, |t| {
             let width = spline(&[(0.0, 0.05), (0.25, 0.11), (0.6, 0.14), (0.9, 0.1), (1.0, 0.03)], t);
             DVec2::new(width, mix(0.045, 0.012, t))
         });
@@ -98,7 +98,7 @@ fn landing_wheel(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, m
     let here = builder.frame;
     builder.frame = here.shift(middle).pitch(TURN / 4.0);
     let small = radius * 0.32;
-    torus(builder, palette.rubber, [detail.around(10), detail.around(24)], DVec3::ZERO, [radius - small, small]);
+    torus(builder, palette.rubber, detail.ring(10, 24), DVec3::ZERO, [radius - small, small]);
     let hub = smooth_profile(
         &[[0.0, -0.5 * small], [radius * 0.7, -0.4 * small], [radius * 0.7, 0.4 * small], [0.0, 0.5 * small]],
         detail.divide(8, 4),
@@ -121,11 +121,11 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motio
         [1.0, 0.06, 0.14, 3.25],
     ];
     let hull = Hull { nose: 9.2, tail: -9.6, knots: &knots };
-    hull.skin(builder, palette.polished, [detail.around(52), detail.divide(80, 12)], [0.0, 1.0], 0.0, false);
-    hull.skin(builder, palette.white, [detail.around(44), detail.divide(54, 9)], [0.12, 0.8], 0.09, true);
+    hull.skin(builder, palette.polished, detail.bend(52, [80, 12]), [0.0, 1.0], 0.0, false);
+    hull.skin(builder, palette.white, detail.bend(44, [54, 9]), [0.12, 0.8], 0.09, true);
     cabin(builder, palette, detail);
-    let blade = [detail.around(28), detail.divide(30, 6)];
-    let fin = [detail.around(28), detail.divide(28, 5)];
+    let blade = detail.bend(28, [30, 6]);
+    let fin = detail.bend(28, [28, 5]);
     for face in [-1.0, 1.0] {
         let tip = DVec3::new(0.4, 3.0, face * 13.0);
         wing(builder, palette.polished, blade, [DVec3::new(1.6, 2.15, face * 0.3), tip], [4.4, 1.5], 0.28);
@@ -154,10 +154,10 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motio
             let angle = TURN * f64::from(cylinder) / 9.0;
             let out = DVec3::new(0.0, cos(angle), sin(angle));
             let at = DVec3::X * 1.34;
-            rod(builder, palette.steel, [detail.around(10), detail.along(4)], [at + out * 0.1, at + out * 0.41], 0.1);
+            rod(builder, palette.steel, detail.tube(10, 4), [at + out * 0.1, at + out * 0.41], 0.1);
         }
         let shaft = [DVec3::X * 1.1, DVec3::X * 1.85];
-        rod(builder, palette.steel, [detail.around(12), detail.along(4)], shaft, 0.12);
+        rod(builder, palette.steel, detail.tube(12, 4), shaft, 0.12);
         builder.object(format!("transport propeller {}", if face < 0.0 { "left" } else { "right" }));
         builder.frame = here.shift(engine + DVec3::X * 1.85);
         propeller(builder, palette, detail, 3, 1.75, face * motion.propeller);
@@ -167,24 +167,18 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motio
         landing_wheel(builder, palette, detail, axle, 0.6);
         for side in [-0.32, 0.32] {
             let low = axle + DVec3::Z * side;
-            let leg = [detail.around(10), detail.along(8)];
+            let leg = detail.tube(10, 8);
             rod(builder, palette.steel, leg, [low, low + DVec3::new(-0.3, 1.75, 0.0)], 0.06);
             rod(builder, palette.steel, leg, [low, low + DVec3::new(-1.5, 1.7, 0.0)], 0.04);
         }
-        rod(
-            builder,
-            palette.steel,
-            [detail.around(8), detail.along(4)],
-            [axle - DVec3::Z * 0.4, axle + DVec3::Z * 0.4],
-            0.07,
-        );
+        rod(builder, palette.steel, detail.tube(8, 4), [axle - DVec3::Z * 0.4, axle + DVec3::Z * 0.4], 0.07);
     }
     builder.object("transport tail");
     let fin_tip = DVec3::new(-9.3, 5.9, 0.0);
     wing(builder, palette.polished, fin, [DVec3::new(-7.9, 3.2, 0.0), fin_tip], [2.9, 1.2], 0.12);
     landing_wheel(builder, palette, detail, DVec3::new(-7.6, 0.3 - SUNK, 0.0), 0.3);
     let leg = [DVec3::new(-7.6, 0.3, 0.14), DVec3::new(-7.2, 2.9, 0.1)];
-    rod(builder, palette.steel, [detail.around(10), detail.along(8)], leg, 0.06);
+    rod(builder, palette.steel, detail.tube(10, 8), leg, 0.06);
 }
 
 /// Floor, seats, and windows that stand out of the skin a little.
@@ -195,13 +189,13 @@ fn cabin(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     for row in 0..7 {
         let x = -3.3 + 1.15 * f64::from(row);
         for z in [-0.52, 0.52] {
-            let seat = [detail.around(16), detail.divide(5, 2)];
+            let seat = detail.bend(16, [5, 2]);
             slab(builder, palette.blue, seat, DVec3::new(x, 2.62, z), DVec3::new(0.24, 0.07, 0.23), 5.0);
             let back = [DVec3::new(x - 0.2, 2.55, z), DVec3::new(x - 0.32, 3.25, z)];
             ribbon(
                 builder,
                 palette.blue,
-                [detail.around(16), detail.divide(8, 2)],
+                detail.bend(16, [8, 2]),
                 Some(DVec3::Z),
                 |t| back[0] + (back[1] - back[0]) * t,
                 |_| DVec2::new(0.22, 0.06),
@@ -232,10 +226,10 @@ fn biplane(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
         [1.0, 0.04, 0.16, 1.65],
     ];
     let hull = Hull { nose: 2.7, tail: -4.2, knots: &knots };
-    hull.skin(builder, palette.yellow, [detail.around(32), detail.divide(44, 10)], [0.0, 1.0], 0.0, false);
-    let blade = [detail.around(20), detail.divide(24, 6)];
-    let fin = [detail.around(20), detail.divide(20, 5)];
-    let strut = [detail.around(8), detail.along(8)];
+    hull.skin(builder, palette.yellow, detail.bend(32, [44, 10]), [0.0, 1.0], 0.0, false);
+    let blade = detail.bend(20, [24, 6]);
+    let fin = detail.bend(20, [20, 5]);
+    let strut = detail.tube(8, 8);
     for face in [-1.0, 1.0] {
         wing(
             builder,
@@ -274,7 +268,7 @@ fn biplane(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
             }
             for (a, b) in [(1.3, 2.85), (2.85, 1.3)] {
                 let ends = [DVec3::new(0.8, a, z + face * 0.06), DVec3::new(0.85, b, z - face * 1.15)];
-                rod(builder, palette.steel, [detail.around(6), detail.along(6)], ends, 0.012);
+                rod(builder, palette.steel, detail.tube(6, 6), ends, 0.012);
             }
         }
         landing_wheel(builder, palette, detail, DVec3::new(1.5, 0.38 - SUNK, face * 0.85), 0.38);

@@ -34,7 +34,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 fn walk(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, [from, to]: [DVec3; 2], bays: usize) {
     let along = (to - from).normalize_or(DVec3::X);
     let side = DVec3::Y.cross(along) * 0.8;
-    let [fine, long] = [detail.along(2), detail.along(24)];
+    let [fine, long] = detail.sides([2, 24]);
     let at = |t: f64| from + (to - from) * t;
     for face in [-1.0, 1.0] {
         let line = |up: f64| [from, to].map(|end| end + side * face + DVec3::Y * up);
@@ -45,20 +45,13 @@ fn walk(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, [from, to]
         for post in 0..=bays {
             let foot = at((post as f64 + 0.2) / (bays as f64 + 0.4)) + side * face * 1.005;
             let ends = [foot - DVec3::Y * 0.17, foot + DVec3::Y * 1.1];
-            rod(builder, palette.yellow, [detail.around(6), detail.along(4)], ends, 0.03);
+            rod(builder, palette.yellow, detail.tube(6, 4), ends, 0.03);
         }
     }
     // The grating: bars across.
     for bar in 0..bays * 2 {
         let middle = at((bar as f64 + 0.5) / (bays * 2) as f64) - DVec3::Y * 0.03;
-        beam(
-            builder,
-            palette.steel,
-            [detail.along(1), detail.along(2)],
-            [middle - side, middle + side],
-            [0.025, 0.2],
-            DVec3::Y,
-        );
+        beam(builder, palette.steel, detail.sides([1, 2]), [middle - side, middle + side], [0.025, 0.2], DVec3::Y);
     }
     for hanger in 0..bays / 4 {
         let foot = at((hanger as f64 + 0.5) / (bays / 4) as f64) - DVec3::Y * 0.15;
@@ -66,7 +59,7 @@ fn walk(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, [from, to]
         beam(builder, palette.red_lead, [fine, fine], ends, [0.06, 0.06], DVec3::Y);
         for face in [-1.0, 1.0] {
             let low = foot + side * face * 1.05;
-            rod(builder, palette.steel, [detail.around(6), detail.along(8)], [low, low + DVec3::Y * 5.7], 0.025);
+            rod(builder, palette.steel, detail.tube(6, 8), [low, low + DVec3::Y * 5.7], 0.025);
         }
     }
 }
@@ -79,11 +72,11 @@ fn stair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, from: DVe
         let ends = [from - DVec3::Y * SUNK, to].map(|end| end + side * face);
         beam(builder, palette.steel, [fine, detail.along(20)], ends, [0.14, 0.03], DVec3::Y);
         let rail = ends.map(|end| end + DVec3::Y * 1.05);
-        rod(builder, palette.yellow, [detail.around(8), detail.along(20)], rail, 0.025);
+        rod(builder, palette.yellow, detail.tube(8, 20), rail, 0.025);
         for post in 0..7 {
             let foot = ends[0] + (ends[1] - ends[0]) * ((f64::from(post) + 0.4) / 7.0);
             let post = [foot, foot + DVec3::Y * 1.05];
-            rod(builder, palette.yellow, [detail.around(6), detail.along(4)], post, 0.022);
+            rod(builder, palette.yellow, detail.tube(6, 4), post, 0.022);
         }
     }
     for tread in 0..26 {

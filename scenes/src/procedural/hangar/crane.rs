@@ -16,7 +16,7 @@ const TRACK: f64 = 17.6;
 const REST: DVec3 = DVec3::new(2.0, 7.2, 4.0);
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion: &Motion) {
-    let [fine, long] = [detail.along(2), detail.along(24)];
+    let [fine, long] = detail.sides([2, 24]);
     builder.object("crane rails");
     for face in [-1.0, 1.0] {
         let ends = [-1.0, 1.0].map(|end| DVec3::new(end * (HALF[0] - 0.2), RAIL - 0.31, face * TRACK));
@@ -32,13 +32,13 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     let x = REST.x + motion.bridge;
     for (number, side) in [-1.0, 1.0].into_iter().enumerate() {
         let ends = [-1.0, 1.0].map(|end| DVec3::new(x + side * 1.1, RAIL + 0.55, end * (TRACK - 0.2)));
-        girder(builder, palette.yellow, [detail.around(6), detail.along(4)], ends, 0.5, 9);
+        girder(builder, palette.yellow, detail.tube(6, 4), ends, 0.5, 9);
         let z = [-1.0, 1.0][number] * TRACK;
         let min = DVec3::new(x - 2.0, RAIL + 0.02, z - 0.22);
         cuboid(builder, palette.yellow, min, DVec3::new(x + 2.0, RAIL + 0.9, z + 0.22), [detail.along(8), fine, fine]);
         for wheel in [-1.5, 1.5] {
             builder.frame = Frame::at(DVec3::new(x + wheel, RAIL + 0.22, z)).pitch(TURN / 4.0);
-            torus(builder, palette.steel, [detail.around(8), detail.around(20)], DVec3::ZERO, [0.2, 0.06]);
+            torus(builder, palette.steel, detail.ring(8, 20), DVec3::ZERO, [0.2, 0.06]);
             builder.frame = Frame::WORLD;
         }
     }
@@ -54,13 +54,13 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         [detail.along(4), fine, detail.along(4)],
     );
     let drum = [DVec3::new(x - 0.9, top + 0.7, z), DVec3::new(x + 0.9, top + 0.7, z)];
-    rod(builder, palette.steel, [detail.around(24), detail.along(8)], drum, 0.42);
+    rod(builder, palette.steel, detail.tube(24, 8), drum, 0.42);
     let motor = DVec3::new(x + 0.7, top + 0.29, z - 0.75);
     cuboid(builder, palette.green, motor, motor + DVec3::new(0.6, 0.5, 0.35), [fine, fine, fine]);
     let hook = DVec3::new(x, REST.y, z);
     for (a, b) in [(-0.4, -0.12), (0.4, 0.12), (-0.35, -0.1), (0.35, 0.1)] {
         let ends = [DVec3::new(x + a, top + 0.5, z + a * 0.3), hook + DVec3::new(b, 0.7, b * 0.3)];
-        rod(builder, palette.black, [detail.around(6), detail.along(10)], ends, 0.02);
+        rod(builder, palette.black, detail.tube(6, 10), ends, 0.02);
     }
     builder.object("crane hook");
     load(builder, palette, detail, hook);
@@ -76,19 +76,19 @@ fn load(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec
         let reach = 0.22 - 0.02 * t;
         hook + DVec3::new(reach * cos(angle), 0.12 + reach * sin(angle), 0.0)
     };
-    tube(builder, palette.steel, [detail.around(10), detail.along(24)], bend, |t| 0.065 - 0.04 * t * t);
+    tube(builder, palette.steel, detail.tube(10, 24), bend, |t| 0.065 - 0.04 * t * t);
     let stem = [hook + DVec3::Y * 0.3, hook + DVec3::Y * 0.5];
-    rod(builder, palette.steel, [detail.around(10), detail.along(2)], stem, 0.06);
+    rod(builder, palette.steel, detail.tube(10, 2), stem, 0.06);
     let body = hook - DVec3::Y * 2.6;
     for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
         let ends = [hook - DVec3::Y * 0.1, body + DVec3::new(a * 0.9, 0.88, b * 0.45)];
-        chain(builder, palette.steel, [detail.around(6), detail.around(12)], ends, 0.02, [0.27, 0.03]);
+        chain(builder, palette.steel, detail.ring(6, 12), ends, 0.02, [0.27, 0.03]);
     }
     let half = DVec3::new(1.0, 0.45, 0.5);
-    cuboid(builder, palette.green, body - half, body + half, [detail.along(6), detail.along(4), detail.along(4)]);
+    cuboid(builder, palette.green, body - half, body + half, detail.sides([6, 4, 4]));
     for cylinder in 0..4 {
         let at = body + DVec3::new(-0.72 + 0.48 * f64::from(cylinder), 0.44, 0.0);
-        rod(builder, palette.steel, [detail.around(16), detail.along(6)], [at, at + DVec3::Y * 0.5], 0.19);
+        rod(builder, palette.steel, detail.tube(16, 6), [at, at + DVec3::Y * 0.5], 0.19);
         builder.frame = Frame::at(at);
         for fin in 0..3 {
             let y = 0.08 + 0.13 * f64::from(fin);

@@ -22,7 +22,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 
 /// A scaffold `long` metres along x with three decks.
 fn dock(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64) {
-    let tube = [detail.around(6), detail.along(4)];
+    let tube = detail.tube(6, 4);
     let half = long / 2.0;
     let bays = libm::round(long / 2.0) as usize;
     for face in [-1.0, 1.0] {
@@ -47,12 +47,12 @@ fn dock(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64)
             let z = -0.64 + 0.64 * f64::from(plank);
             let min = DVec3::new(-half - 0.1, y - 0.05, z - 0.3);
             let max = DVec3::new(half + 0.1, y, z + 0.3);
-            cuboid(builder, palette.wood, min, max, [detail.along(4), detail.along(1), detail.along(2)]);
+            cuboid(builder, palette.wood, min, max, detail.sides([4, 1, 2]));
         }
         for bearer in 0..=bays {
             let x = -half + long * bearer as f64 / bays as f64;
             let ends = [DVec3::new(x, y - 0.08, -1.1), DVec3::new(x, y - 0.08, 1.1)];
-            beam(builder, palette.steel, [detail.along(1), detail.along(2)], ends, [0.04, 0.03], DVec3::Y);
+            beam(builder, palette.steel, detail.sides([1, 2]), ends, [0.04, 0.03], DVec3::Y);
         }
     }
 }

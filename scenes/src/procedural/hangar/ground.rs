@@ -100,7 +100,7 @@ fn pipes(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         builder.frame = Frame::at(DVec3::new(x, 0.0, z)).yaw(turn);
         for bearer in [-2.0, 0.0, 2.0] {
             let ends = [DVec3::new(bearer, 0.08, -0.9), DVec3::new(bearer, 0.08, 0.9)];
-            beam(builder, palette.dark_wood, [detail.along(2), detail.along(4)], ends, [0.1, 0.08], DVec3::Y);
+            beam(builder, palette.dark_wood, detail.sides([2, 4]), ends, [0.1, 0.08], DVec3::Y);
         }
         let here = builder.frame;
         for row in 0..3_u32 {
@@ -128,13 +128,7 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
             builder.frame =
                 here.shift(DVec3::new(middle.x, middle.y, face * middle.z)).roll(turn / radius).pitch(TURN / 4.0);
             let thick = radius * 0.3;
-            torus(
-                builder,
-                palette.rubber,
-                [detail.around(12), detail.around(28)],
-                DVec3::ZERO,
-                [radius - thick, thick],
-            );
+            torus(builder, palette.rubber, detail.ring(12, 28), DVec3::ZERO, [radius - thick, thick]);
             let hub = straight_profile(
                 &[[0.0, -0.08], [radius * 0.62, -0.06], [radius * 0.62, 0.06], [0.0, 0.08]],
                 detail.along(2),
@@ -144,7 +138,7 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
                 let angle = TURN * f64::from(bolt) / 5.0;
                 let at = DVec3::new(cos(angle), 0.0, sin(angle)) * (radius * 0.3);
                 let ends = [at - DVec3::Y * 0.11, at + DVec3::Y * 0.11];
-                rod(builder, palette.steel, [detail.around(6), detail.along(1)], ends, 0.03);
+                rod(builder, palette.steel, detail.tube(6, 1), ends, 0.03);
             }
         }
         builder.frame = here;
@@ -156,7 +150,7 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
         let y = if x < 0.0 { 0.48 } else { 0.34 };
         rod(builder, palette.steel, [detail.around(8), fine], [DVec3::new(x, y, -0.75), DVec3::new(x, y, 0.75)], 0.05);
     }
-    let shape = [detail.around(32), detail.divide(10, 3)];
+    let shape = detail.bend(32, [10, 3]);
     slab(builder, palette.yellow, shape, DVec3::new(0.9, 0.78, 0.0), DVec3::new(0.85, 0.3, 0.45), 5.0);
     slab(builder, palette.yellow, shape, DVec3::new(-0.65, 0.62, 0.0), DVec3::new(0.85, 0.22, 0.5), 6.0);
     slab(builder, palette.black, shape, DVec3::new(-0.75, 0.93, 0.0), DVec3::new(0.25, 0.08, 0.3), 5.0);
@@ -174,14 +168,8 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
         let (s, c) = (sin(TURN * t), cos(TURN * t));
         middle + DVec3::new(0.1 * c, 0.06 * c, 0.2 * s)
     };
-    loop_tube(builder, palette.black, [detail.around(8), detail.around(28)], rim, 0.018);
-    rod(
-        builder,
-        palette.black,
-        [detail.around(8), detail.along(4)],
-        [DVec3::new(1.2, 1.0, 0.2), DVec3::new(1.2, 1.6, 0.2)],
-        0.04,
-    );
+    loop_tube(builder, palette.black, detail.ring(8, 28), rim, 0.018);
+    rod(builder, palette.black, detail.tube(8, 4), [DVec3::new(1.2, 1.0, 0.2), DVec3::new(1.2, 1.6, 0.2)], 0.04);
 
     builder.object("cart");
     place(builder, DVec3::new(-4.6, 0.3 - SUNK, 0.72), 0.3);
@@ -195,7 +183,7 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
         rod(builder, palette.steel, [detail.around(8), fine], ends, 0.09);
     }
     let bar = [DVec3::new(-2.4, 0.55, 0.0), DVec3::new(-1.3, 0.5, 0.0)];
-    rod(builder, palette.steel, [detail.around(8), detail.along(4)], bar, 0.04);
+    rod(builder, palette.steel, detail.tube(8, 4), bar, 0.04);
     builder.frame = here.shift(DVec3::new(-4.4, 0.61, 0.0));
     plank_crate(builder, [palette.wood, palette.dark_wood], detail, DVec3::new(1.2, 0.9, 1.1));
     builder.frame = here.shift(DVec3::new(-3.1, 0.61, 0.02)).yaw(0.2);

@@ -38,16 +38,16 @@ fn tank(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3)
     );
     revolve(builder, palette.white, detail.around(32), &profile);
     for y in [1.6, 2.75, 3.9] {
-        torus(builder, palette.steel, [detail.around(6), detail.around(32)], DVec3::Y * y, [1.11, 0.05]);
+        torus(builder, palette.steel, detail.ring(6, 32), DVec3::Y * y, [1.11, 0.05]);
     }
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
         let ends = [DVec3::new(x * 0.72, -SUNK, z * 0.72), DVec3::new(x * 0.66, 1.5, z * 0.66)];
-        rod(builder, palette.steel, [detail.around(10), detail.along(6)], ends, 0.09);
+        rod(builder, palette.steel, detail.tube(10, 6), ends, 0.09);
     }
     let neck = [DVec3::new(0.0, 4.6, 0.0), DVec3::new(0.0, 5.1, 0.0)];
-    rod(builder, palette.steel, [detail.around(20), detail.along(4)], neck, 0.3);
+    rod(builder, palette.steel, detail.tube(20, 4), neck, 0.3);
     let neck = [DVec3::new(0.0, 2.0, 0.9), DVec3::new(0.0, 2.0, -1.3)];
-    rod(builder, palette.steel, [detail.around(20), detail.along(4)], neck, 0.28);
+    rod(builder, palette.steel, detail.tube(20, 4), neck, 0.28);
 }
 
 /// A bench with drawers, a vice and a lathe-like machine on it.
@@ -74,20 +74,20 @@ fn workbench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
         rod(builder, palette.steel, [detail.around(8), fine], [knob, knob + DVec3::Z * 0.08], 0.03);
     }
     // Headstock, bed and chuck.
-    let shape = [detail.around(24), detail.divide(8, 3)];
+    let shape = detail.bend(24, [8, 3]);
     let min = DVec3::new(-1.25, 0.93, -0.27);
     cuboid(builder, palette.green, min, DVec3::new(-0.55, 1.52, 0.27), [fine, fine, fine]);
     slab(builder, palette.green, shape, DVec3::new(0.1, 1.031, 0.0), DVec3::new(1.0, 0.083, 0.2), 6.0);
     let min = DVec3::new(0.65, 0.96, -0.16);
     cuboid(builder, palette.green, min, DVec3::new(1.05, 1.4, 0.16), [fine, fine, fine]);
     let chuck = [DVec3::new(-0.6, 1.28, 0.0), DVec3::new(-0.4, 1.28, 0.0)];
-    rod(builder, palette.polished, [detail.around(24), detail.along(4)], chuck, 0.17);
+    rod(builder, palette.polished, detail.tube(24, 4), chuck, 0.17);
     let spindle = [DVec3::new(-0.45, 1.28, 0.0), DVec3::new(0.8, 1.28, 0.0)];
-    rod(builder, palette.polished, [detail.around(14), detail.along(10)], spindle, 0.05);
+    rod(builder, palette.polished, detail.tube(14, 10), spindle, 0.05);
     for tool in 0..6 {
         let at = DVec3::new(1.15 + 0.06 * f64::from(tool), 0.985, random.between(-0.3, -0.05));
         let ends = [at, at + DVec3::new(random.between(-0.02, 0.02), 0.0, random.between(0.25, 0.45))];
-        rod(builder, palette.steel, [detail.around(8), detail.along(4)], ends, random.between(0.012, 0.02));
+        rod(builder, palette.steel, detail.tube(8, 4), ends, random.between(0.012, 0.02));
     }
 }
 
@@ -129,7 +129,7 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3
             } else {
                 for ring in 0..3 {
                     let up = DVec3::Y * (0.05 + 0.095 * f64::from(ring));
-                    torus(builder, palette.rubber, [detail.around(6), detail.around(14)], up, [size * 0.7, 0.055]);
+                    torus(builder, palette.rubber, detail.ring(6, 14), up, [size * 0.7, 0.055]);
                 }
             }
             x += 2.0 * size + random.between(0.02, 0.12);
@@ -151,11 +151,11 @@ fn pipework(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             DVec3::new(24.0, 6.3 + 0.7 * shift, z),
         ];
         let path = |t: f64| curve(&knots, t);
-        tube(builder, palette.steel, [detail.around(12), detail.divide(70, 10)], path, |_| radius);
+        tube(builder, palette.steel, detail.bend(12, [70, 10]), path, |_| radius);
         for flange in 0..8 {
             let t = (f64::from(flange) + 0.5) / 8.0;
             let ends = [path(t), path(t + 0.003)];
-            rod(builder, palette.red_lead, [detail.around(16), detail.along(2)], ends, radius * 1.45);
+            rod(builder, palette.red_lead, detail.tube(16, 2), ends, radius * 1.45);
         }
     }
 }

@@ -14,7 +14,7 @@ mod machinery;
 mod shell;
 mod steel;
 
-use super::builder::{MaterialId, MeshBuilder};
+use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{TURN, cos};
 use super::{Built, Detail, NamedPose, cameras, path};
 
@@ -31,50 +31,24 @@ const RIDGE: f64 = 18.0;
 /// How deep things are sunk into what they stand on.
 const SUNK: f64 = 0.02;
 
-/// What things are made of.
-struct Palette {
-    concrete: MaterialId,
-    wall: MaterialId,
-    sheet: MaterialId,
-    glass: MaterialId,
-    steel: MaterialId,
-    red_lead: MaterialId,
-    yellow: MaterialId,
-    black: MaterialId,
-    rubber: MaterialId,
-    wood: MaterialId,
-    dark_wood: MaterialId,
-    green: MaterialId,
-    blue: MaterialId,
-    white: MaterialId,
-    lamp: MaterialId,
-    polished: MaterialId,
-    puddle: MaterialId,
-}
-
-impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        let mut matt = |color| builder.material(color, 0.0, 0.9);
-        Self {
-            concrete: matt([0.5, 0.49, 0.47]),
-            wall: matt([0.62, 0.6, 0.55]),
-            sheet: matt([0.42, 0.47, 0.5]),
-            glass: matt([0.66, 0.8, 0.92]),
-            red_lead: matt([0.5, 0.2, 0.13]),
-            yellow: matt([0.85, 0.62, 0.08]),
-            black: matt([0.04, 0.04, 0.04]),
-            rubber: matt([0.08, 0.08, 0.085]),
-            wood: matt([0.6, 0.43, 0.25]),
-            dark_wood: matt([0.4, 0.27, 0.15]),
-            green: matt([0.18, 0.33, 0.22]),
-            blue: matt([0.14, 0.26, 0.46]),
-            white: matt([0.85, 0.85, 0.83]),
-            lamp: matt([0.98, 0.95, 0.82]),
-            steel: builder.material([0.45, 0.46, 0.48], 1.0, 0.4),
-            polished: builder.material([0.86, 0.87, 0.88], 1.0, 0.06),
-            puddle: builder.material([0.3, 0.32, 0.34], 1.0, 0.0),
-        }
-    }
+palette! {
+    concrete: [0.5, 0.49, 0.47];
+    wall: [0.62, 0.6, 0.55];
+    sheet: [0.42, 0.47, 0.5];
+    glass: [0.66, 0.8, 0.92];
+    red_lead: [0.5, 0.2, 0.13];
+    yellow: [0.85, 0.62, 0.08];
+    black: [0.04, 0.04, 0.04];
+    rubber: [0.08, 0.08, 0.085];
+    wood: [0.6, 0.43, 0.25];
+    dark_wood: [0.4, 0.27, 0.15];
+    green: [0.18, 0.33, 0.22];
+    blue: [0.14, 0.26, 0.46];
+    white: [0.85, 0.85, 0.83];
+    lamp: [0.98, 0.95, 0.82];
+    steel: [0.45, 0.46, 0.48], 1.0, 0.4;
+    polished: [0.86, 0.87, 0.88], 1.0, 0.06;
+    puddle: [0.3, 0.32, 0.34], 1.0, 0.0;
 }
 
 /// How far what moves has come; all zero at rest.

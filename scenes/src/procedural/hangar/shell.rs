@@ -53,7 +53,7 @@ fn gabled(builder: &mut MeshBuilder, material: MaterialId, detail: Detail, out: 
 /// Panels on the long walls and under the roof, and bands of windows above them.
 fn cladding(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.object("cladding");
-    let [fine, rows] = [detail.along(2), detail.along(2)];
+    let [fine, rows] = detail.sides([2, 2]);
     for bay in 0..10 {
         let middle = -27.0 + 6.0 * f64::from(bay);
         for face in [-1.0, 1.0] {
@@ -81,7 +81,7 @@ fn cladding(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 /// Two leaves of a sliding gate at the far end (greatest x), with ribs.
 fn gate(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.object("gate");
-    let [fine, rows] = [detail.along(2), detail.along(10)];
+    let [fine, rows] = detail.sides([2, 10]);
     for (leaf, z) in [-7.6, 7.6].into_iter().enumerate() {
         let x = HALF[0] - 0.3 - 0.35 * leaf as f64;
         let min = DVec3::new(x - 0.08, 0.03, z - 7.9);

@@ -42,8 +42,8 @@ fn slope(z: f64) -> f64 {
 }
 
 fn truss(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64) {
-    let thin = [detail.around(6), detail.along(4)];
-    let long = [detail.around(8), detail.along(16)];
+    let thin = detail.tube(6, 4);
+    let long = detail.tube(8, 16);
     let end = HALF[1] - 0.3;
     let low = |z: f64| DVec3::new(x, CHORD, z);
     let high = |z: f64| DVec3::new(x, slope(z), z);
@@ -65,14 +65,14 @@ fn truss(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64) {
 fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64, z: f64) {
     let line = |at: f64| [DVec3::new(x, -SUNK, z + at), DVec3::new(x, CHORD + 0.05, z + at)];
     for at in [-0.4, 0.4] {
-        beam(builder, palette.red_lead, [detail.along(2), detail.along(6)], line(at), [0.13, 0.09], DVec3::X);
+        beam(builder, palette.red_lead, detail.sides([2, 6]), line(at), [0.13, 0.09], DVec3::X);
     }
-    zigzag(builder, palette.red_lead, [detail.around(6), detail.along(4)], [line(-0.4), line(0.4)], 3, 0.045);
+    zigzag(builder, palette.red_lead, detail.tube(6, 4), [line(-0.4), line(0.4)], 3, 0.045);
     let foot = DVec3::new(x, -SUNK, z);
     beam(
         builder,
         palette.concrete,
-        [detail.along(2), detail.along(2)],
+        detail.sides([2, 2]),
         [foot - DVec3::Y * 0.02, foot + DVec3::Y * 0.4],
         [0.4, 0.7],
         DVec3::X,
@@ -81,11 +81,11 @@ fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64, 
 
 /// Purlins along the roof, crosses between trusses, ties in the plane of the lower chords.
 fn bracing(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let divisions = [detail.around(6), detail.along(8)];
+    let divisions = detail.tube(6, 8);
     for z in [-16.3, -9.8, -3.3, 3.3, 9.8, 16.3] {
         let y = slope(z) + 0.16;
         let ends = [DVec3::new(-HALF[0] - 0.1, y, z), DVec3::new(HALF[0] + 0.1, y, z)];
-        beam(builder, palette.steel, [detail.along(2), detail.along(24)], ends, [0.1, 0.06], DVec3::Y);
+        beam(builder, palette.steel, detail.sides([2, 24]), ends, [0.1, 0.06], DVec3::Y);
     }
     for bay in [0, 4, 8] {
         let [x0, x1] = [bay, bay + 1].map(|at| -27.0 + BAY * f64::from(at));
@@ -113,7 +113,7 @@ fn cables(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             let sag = 0.5 + 0.35 * sin(2.0 * f64::from(span) + number as f64);
             let path =
                 |t: f64| DVec3::new(x + BAY * t, CHORD - 0.09 - 4.0 * sag * t * (1.0 - t), z + 0.3 * sin(3.0 * t));
-            tube(builder, palette.black, [detail.around(6), detail.along(12)], path, |_| 0.03);
+            tube(builder, palette.black, detail.tube(6, 12), path, |_| 0.03);
         }
     }
 }
@@ -121,7 +121,7 @@ fn cables(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 /// A pendant lamp hanging from `from`.
 fn lamp(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, from: DVec3) {
     let drop = 2.6;
-    rod(builder, palette.black, [detail.around(6), detail.along(6)], [from, from - DVec3::Y * drop], 0.02);
+    rod(builder, palette.black, detail.tube(6, 6), [from, from - DVec3::Y * drop], 0.02);
     builder.frame = Frame::at(from - DVec3::Y * (drop + 0.5));
     let shade = smooth_profile(
         &[[0.0, 0.44], [0.16, 0.42], [0.5, 0.05], [0.62, -0.02], [0.63, 0.0], [0.52, 0.1], [0.18, 0.5], [0.0, 0.53]],
@@ -132,5 +132,5 @@ fn lamp(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, from: DVec
     builder.frame = Frame::WORLD;
     // What the lamp hangs from, between two trusses.
     let half = DVec3::X * BAY / 2.0;
-    rod(builder, palette.steel, [detail.around(6), detail.along(6)], [from - half, from + half], 0.04);
+    rod(builder, palette.steel, detail.tube(6, 6), [from - half, from + half], 0.04);
 }

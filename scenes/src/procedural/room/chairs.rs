@@ -25,16 +25,9 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 }
 
 fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    slab(
-        builder,
-        palette.wood,
-        [detail.around(40), detail.divide(6, 2)],
-        DVec3::new(0.0, SEAT, 0.0),
-        DVec3::new(0.21, 0.014, 0.2),
-        4.0,
-    );
-    let thick = [detail.around(12), detail.divide(8, 2)];
-    let thin = [detail.around(8), detail.divide(4, 1)];
+    slab(builder, palette.wood, detail.bend(40, [6, 2]), DVec3::new(0.0, SEAT, 0.0), DVec3::new(0.21, 0.014, 0.2), 4.0);
+    let thick = detail.bend(12, [8, 2]);
+    let thin = detail.bend(8, [4, 1]);
     // Legs spread towards the floor and bow a little.
     let foot = |x: f64, z: f64| DVec3::new(x * 0.205, -SUNK, z * 0.2);
     let hip = |x: f64, z: f64| DVec3::new(x * 0.165, SEAT, z * 0.155);

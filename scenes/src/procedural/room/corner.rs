@@ -14,7 +14,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     rod(
         builder,
         palette.metal,
-        [detail.around(12), detail.along(12)],
+        detail.tube(12, 12),
         [DVec3::new(-2.55, 2.52, MIN.z + 0.1), DVec3::new(0.55, 2.52, MIN.z + 0.1)],
         0.012,
     );
@@ -22,7 +22,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         rod(
             builder,
             palette.metal,
-            [detail.around(8), detail.along(2)],
+            detail.tube(8, 2),
             [DVec3::new(x, 2.519, MIN.z - 0.01), DVec3::new(x, 2.519, MIN.z + 0.1)],
             0.006,
         );
@@ -30,13 +30,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     plant(builder, palette, detail);
     builder.frame = Frame::WORLD;
     ball(builder, palette.mirror, DVec3::new(-2.3, 0.28 - SUNK, -1.35), 0.28, detail.around(56));
-    torus(
-        builder,
-        palette.shade,
-        [detail.around(14), detail.around(40)],
-        DVec3::new(0.55, 0.06 - SUNK, 1.75),
-        [0.2, 0.06],
-    );
+    torus(builder, palette.shade, detail.ring(14, 40), DVec3::new(0.55, 0.06 - SUNK, 1.75), [0.2, 0.06]);
 }
 
 /// A thin folded cloth around `x`: each ring runs along its front and back along its back.
@@ -92,7 +86,7 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         let height = random.between(0.6, 1.05);
         let droop = random.between(0.05, 0.22);
         let path = |t: f64| out * (0.05 + reach * t * t) + DVec3::Y * (0.255 + height * (t - droop * t * t * t * t));
-        ribbon(builder, palette.leaf, [detail.around(8), detail.divide(12, 4)], Some(side), path, |t| {
+        ribbon(builder, palette.leaf, detail.bend(8, [12, 4]), Some(side), path, |t| {
             let body = sin(TURN / 2.0 * (0.12 + 0.86 * t));
             DVec2::new(0.004 + 0.03 * body * body, 0.0012 + 0.002 * (1.0 - t))
         });

@@ -25,15 +25,9 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 
     // The hook is a ring around the cord on a short stem.
     builder.frame = Frame::at(hook + DVec3::Y * 0.004).roll(TURN / 4.0);
-    torus(builder, palette.metal, [detail.around(10), detail.around(24)], DVec3::ZERO, [0.014, 0.0035]);
+    torus(builder, palette.metal, detail.ring(10, 24), DVec3::ZERO, [0.014, 0.0035]);
     builder.frame = Frame::at(hook);
-    tube(
-        builder,
-        palette.metal,
-        [detail.around(10), detail.along(6)],
-        |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t),
-        |_| 0.004,
-    );
+    tube(builder, palette.metal, detail.tube(10, 6), |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t), |_| 0.004);
     builder.frame = Frame::at(OUTLET);
     let canopy =
         straight_profile(&[[0.0, -0.03], [0.02, -0.03], [0.05, -0.012], [0.055, 0.01], [0.0, 0.01]], detail.along(2));
@@ -64,13 +58,13 @@ fn cord(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec
         let height = SAG * (libm::cosh((t * span - low) / SAG) - libm::cosh(low / SAG));
         from + across * t + DVec3::Y * height
     };
-    tube(builder, palette.black, [detail.around(10), detail.divide(90, 8)], sagging, |_| CORD_RADIUS);
+    tube(builder, palette.black, detail.bend(10, [90, 8]), sagging, |_| CORD_RADIUS);
     let hanging = |t: f64| {
         let wave = 0.006 * t * (1.0 - t);
         let angle = 3.0 * TURN * t;
         DVec3::new(hook.x + wave * sin(angle), mix(hook.y + 0.002, NECK - 0.01, t), hook.z + wave * cos(angle))
     };
-    tube(builder, palette.black, [detail.around(10), detail.divide(60, 8)], hanging, |_| CORD_RADIUS);
+    tube(builder, palette.black, detail.bend(10, [60, 8]), hanging, |_| CORD_RADIUS);
 }
 
 fn shade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {

@@ -13,7 +13,7 @@ mod table;
 
 use glam::DVec3;
 
-use super::builder::{MaterialId, MeshBuilder};
+use super::builder::{MaterialId, MeshBuilder, palette};
 use super::{Built, Detail, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
@@ -30,64 +30,28 @@ const TABLE: DVec3 = DVec3::new(-0.9, 0.0, 0.3);
 /// Middle of the statue on the floor.
 const STATUE: DVec3 = DVec3::new(1.55, 0.0, -1.35);
 
-/// What things are made of.
-struct Palette {
-    floor: MaterialId,
-    wall: MaterialId,
-    accent: MaterialId,
-    ceiling: MaterialId,
-    trim: MaterialId,
-    sky: MaterialId,
-    wood: MaterialId,
-    dark_wood: MaterialId,
-    metal: MaterialId,
-    mirror: MaterialId,
-    black: MaterialId,
-    shade: MaterialId,
-    bulb: MaterialId,
-    marble: MaterialId,
-    stone: MaterialId,
-    clay: MaterialId,
-    glaze: MaterialId,
-    fruit: MaterialId,
-    leaf: MaterialId,
-    cloth: MaterialId,
-    books: [MaterialId; 5],
-}
-
-impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        let mut matt = |color| builder.material(color, 0.0, 0.9);
-        Self {
-            wall: matt([0.78, 0.75, 0.68]),
-            accent: matt([0.32, 0.43, 0.47]),
-            ceiling: matt([0.88, 0.88, 0.86]),
-            trim: matt([0.85, 0.84, 0.8]),
-            sky: matt([0.62, 0.78, 0.95]),
-            wood: matt([0.55, 0.36, 0.2]),
-            dark_wood: matt([0.28, 0.17, 0.1]),
-            black: matt([0.03, 0.03, 0.03]),
-            shade: matt([0.72, 0.2, 0.12]),
-            bulb: matt([0.98, 0.95, 0.82]),
-            marble: matt([0.86, 0.84, 0.8]),
-            stone: matt([0.36, 0.36, 0.38]),
-            clay: matt([0.6, 0.3, 0.2]),
-            glaze: matt([0.12, 0.3, 0.5]),
-            fruit: matt([0.9, 0.48, 0.08]),
-            leaf: matt([0.16, 0.38, 0.12]),
-            cloth: matt([0.7, 0.55, 0.3]),
-            books: [
-                matt([0.5, 0.1, 0.1]),
-                matt([0.1, 0.25, 0.2]),
-                matt([0.75, 0.65, 0.45]),
-                matt([0.15, 0.15, 0.35]),
-                matt([0.45, 0.42, 0.4]),
-            ],
-            floor: builder.material([0.82, 0.82, 0.84], 1.0, 0.0),
-            metal: builder.material([0.75, 0.72, 0.68], 1.0, 0.35),
-            mirror: builder.material([0.95, 0.93, 0.88], 1.0, 0.02),
-        }
-    }
+palette! {
+    wall: [0.78, 0.75, 0.68];
+    accent: [0.32, 0.43, 0.47];
+    ceiling: [0.88, 0.88, 0.86];
+    trim: [0.85, 0.84, 0.8];
+    sky: [0.62, 0.78, 0.95];
+    wood: [0.55, 0.36, 0.2];
+    dark_wood: [0.28, 0.17, 0.1];
+    black: [0.03, 0.03, 0.03];
+    shade: [0.72, 0.2, 0.12];
+    bulb: [0.98, 0.95, 0.82];
+    marble: [0.86, 0.84, 0.8];
+    stone: [0.36, 0.36, 0.38];
+    clay: [0.6, 0.3, 0.2];
+    glaze: [0.12, 0.3, 0.5];
+    fruit: [0.9, 0.48, 0.08];
+    leaf: [0.16, 0.38, 0.12];
+    cloth: [0.7, 0.55, 0.3];
+    books[5]: [[0.5, 0.1, 0.1], [0.1, 0.25, 0.2], [0.75, 0.65, 0.45], [0.15, 0.15, 0.35], [0.45, 0.42, 0.4]];
+    floor: [0.82, 0.82, 0.84], 1.0, 0.0;
+    metal: [0.75, 0.72, 0.68], 1.0, 0.35;
+    mirror: [0.95, 0.93, 0.88], 1.0, 0.02;
 }
 
 /// Builds the room with about `scale` times its triangles at scale 1; it does not move.

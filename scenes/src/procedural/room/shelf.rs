@@ -107,7 +107,7 @@ fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
         let reach = 2.0 + cos(3.0 * angle);
         DVec3::new(0.034 * reach * cos(2.0 * angle), 0.034 * reach * sin(2.0 * angle), 0.034 * sin(3.0 * angle))
     };
-    loop_tube(builder, palette.mirror, [detail.around(12), detail.divide(96, 12)], knot, 0.0165);
+    loop_tube(builder, palette.mirror, detail.bend(12, [96, 12]), knot, 0.0165);
     builder.frame = here;
     for (x, y, radius, material) in [
         (-0.32, BOARDS[2] + 0.069, 0.07, palette.mirror),
@@ -116,11 +116,5 @@ fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
     ] {
         ball(builder, material, DVec3::new(x, y, 0.15), radius, detail.around(24));
     }
-    torus(
-        builder,
-        palette.metal,
-        [detail.around(12), detail.around(36)],
-        DVec3::new(0.45, BOARDS[4] + 0.024, 0.15),
-        [0.09, 0.025],
-    );
+    torus(builder, palette.metal, detail.ring(12, 36), DVec3::new(0.45, BOARDS[4] + 0.024, 0.15), [0.09, 0.025]);
 }

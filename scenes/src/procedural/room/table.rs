@@ -16,7 +16,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     slab(
         builder,
         palette.wood,
-        [detail.around(64), detail.divide(8, 2)],
+        detail.bend(64, [8, 2]),
         DVec3::new(0.0, TOP - 0.018, 0.0),
         DVec3::new(0.85, 0.018, 0.48),
         7.0,
@@ -60,7 +60,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     mug(builder, palette, detail, DVec3::new(-0.52, 0.0, -0.2), 2.4);
     glass(builder, palette, detail, DVec3::new(0.5, 0.0, -0.17));
     builder.frame = Frame::at(TABLE + DVec3::new(-0.42, TOP, 0.2));
-    torus(builder, palette.mirror, [detail.around(16), detail.around(40)], DVec3::new(0.0, 0.021, 0.0), [0.06, 0.0215]);
+    torus(builder, palette.mirror, detail.ring(16, 40), DVec3::new(0.0, 0.021, 0.0), [0.06, 0.0215]);
     builder.frame = Frame::WORLD;
 }
 
@@ -116,7 +116,7 @@ fn mug(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3, 
         let angle = mix(-0.24, 0.24, t) * TURN;
         DVec3::new(0.0395 + 0.026 * cos(angle), 0.048 + 0.03 * sin(angle), 0.0)
     };
-    tube(builder, palette.clay, [detail.around(8), detail.divide(14, 4)], handle, |_| 0.0045);
+    tube(builder, palette.clay, detail.bend(8, [14, 4]), handle, |_| 0.0045);
 }
 
 fn glass(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3) {

@@ -57,7 +57,7 @@ fn hearth(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     for bar in 0..4 {
         let from = DVec3::new(-0.2 + 0.15 * f64::from(bar), 0.92, 0.1);
         let to = from + DVec3::new(random.between(0.1, 0.5), random.between(0.06, 0.12), 0.95);
-        rod(builder, palette.iron, [detail.around(8), detail.along(8)], [from, to], 0.014);
+        rod(builder, palette.iron, detail.tube(8, 8), [from, to], 0.014);
     }
 }
 
@@ -79,14 +79,14 @@ fn hood(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     });
     for (x, z) in [(-0.95, 0.75), (0.95, 0.75)] {
         let ends = [DVec3::new(x, 0.75, z), DVec3::new(x, 2.0, z)];
-        rod(builder, palette.iron, [detail.around(10), detail.along(8)], ends, 0.025);
+        rod(builder, palette.iron, detail.tube(10, 8), ends, 0.025);
     }
 }
 
 /// Two boards, a pleated leather between them, a nozzle into the fire, on a trestle.
 fn bellows(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.frame = Frame::at(HEARTH + DVec3::new(1.75, 0.95, 0.15)).yaw(0.1);
-    let shape = [detail.around(32), detail.divide(5, 2)];
+    let shape = detail.bend(32, [5, 2]);
     for (y, wide) in [(-0.2, 0.33), (0.22, 0.34)] {
         slab(builder, palette.wood, shape, DVec3::new(0.1, y, 0.0), DVec3::new(0.55, 0.022, wide), 3.0);
     }
@@ -101,18 +101,18 @@ fn bellows(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     tube(
         builder,
         palette.copper,
-        [detail.around(14), detail.divide(10, 3)],
+        detail.bend(14, [10, 3]),
         |t| DVec3::new(mix(-0.4, -1.15, t), -0.02 * t, 0.0),
         |t| mix(0.07, 0.03, t),
     );
     for x in [-0.25, 0.45] {
         for z in [-0.25, 0.25] {
             let ends = [DVec3::new(x * 1.1, -0.95 - SUNK, z * 1.2), DVec3::new(x, -0.18, z)];
-            beam(builder, palette.dark_wood, [detail.along(2), detail.along(4)], ends, [0.035, 0.035], DVec3::X);
+            beam(builder, palette.dark_wood, detail.sides([2, 4]), ends, [0.035, 0.035], DVec3::X);
         }
     }
     let handle = [DVec3::new(0.6, 0.23, 0.0), DVec3::new(1.15, 0.4, 0.0)];
-    rod(builder, palette.wood, [detail.around(10), detail.along(6)], handle, 0.025);
+    rod(builder, palette.wood, detail.tube(10, 6), handle, 0.025);
 }
 
 /// A stump with hoops, the anvil on it, and a hammer on the anvil.
@@ -140,7 +140,7 @@ fn anvil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     block(builder, [0.11, 0.06], [0.61, 0.74]);
     block(builder, [0.24, 0.075], [0.73, 0.85]);
     let horn = |t: f64| DVec3::new(mix(0.2, 0.52, t), 0.79 + 0.035 * t, 0.0);
-    ribbon(builder, palette.polished, [detail.around(20), detail.divide(20, 4)], Some(DVec3::Z), horn, |t| {
+    ribbon(builder, palette.polished, detail.bend(20, [20, 4]), Some(DVec3::Z), horn, |t| {
         DVec2::new(0.065, 0.055) * libm::sqrt(1.0 - 0.98 * t)
     });
     builder.frame = here.shift(DVec3::new(-0.1, 0.868, -0.2)).pitch(-TURN / 4.0).yaw(0.2);
@@ -178,15 +178,15 @@ fn grindstone(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     revolve(builder, palette.stone, detail.around(56), &profile);
     builder.frame = here;
     let axle = [DVec3::new(0.0, 0.8, -0.3), DVec3::new(0.0, 0.8, 0.36)];
-    rod(builder, palette.iron, [detail.around(12), detail.along(6)], axle, 0.02);
+    rod(builder, palette.iron, detail.tube(12, 6), axle, 0.02);
     let crank = [DVec3::new(0.0, 0.8, 0.34), DVec3::new(0.16, 0.66, 0.345)];
-    rod(builder, palette.iron, [detail.around(10), detail.along(4)], crank, 0.016);
+    rod(builder, palette.iron, detail.tube(10, 4), crank, 0.016);
     let grip = [DVec3::new(0.15, 0.665, 0.33), DVec3::new(0.15, 0.665, 0.5)];
-    rod(builder, palette.wood, [detail.around(12), detail.along(4)], grip, 0.02);
+    rod(builder, palette.wood, detail.tube(12, 4), grip, 0.02);
     for z in [-0.18, 0.18] {
         for x in [-0.35, 0.35] {
             let ends = [DVec3::new(x, -SUNK, z), DVec3::new(0.1 * x, 0.84, z * 0.98)];
-            beam(builder, palette.wood, [detail.along(2), detail.along(6)], ends, [0.03, 0.03], DVec3::Z);
+            beam(builder, palette.wood, detail.sides([2, 6]), ends, [0.03, 0.03], DVec3::Z);
         }
     }
     builder.frame = here.shift(DVec3::Y * 0.1);

@@ -41,7 +41,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         builder.object(format!("lantern {number}"));
         let low = DVec3::new(x, 2.62 - 0.04 * number as f64, z);
         builder.frame = Frame::WORLD;
-        rod(builder, palette.rope, [detail.around(8), detail.along(8)], [low, low.with_y(3.34)], 0.007);
+        rod(builder, palette.rope, detail.tube(8, 8), [low, low.with_y(3.34)], 0.007);
         builder.frame = Frame::at(low);
         tools::lantern(builder, palette, detail);
     }
@@ -54,13 +54,13 @@ fn rack(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fram
     let mut random = Random(800 + seed);
     builder.frame = here;
     let ends = [DVec3::new(-long / 2.0, 0.0, 0.028), DVec3::new(long / 2.0, 0.0, 0.028)];
-    beam(builder, palette.dark_wood, [detail.along(2), detail.along(8)], ends, [0.05, 0.018], DVec3::Y);
+    beam(builder, palette.dark_wood, detail.sides([2, 8]), ends, [0.05, 0.018], DVec3::Y);
     let pegs = libm::round(long / 0.17) as usize;
     for peg in 0..pegs {
         let x = long * ((peg as f64 + 0.5) / pegs as f64 - 0.5);
         builder.frame = here;
         let ends = [DVec3::new(x, 0.0, 0.03), DVec3::new(x, 0.02, 0.15)];
-        rod(builder, palette.wood, [detail.around(8), detail.along(4)], ends, 0.009);
+        rod(builder, palette.wood, detail.tube(8, 4), ends, 0.009);
         builder.frame = here.shift(DVec3::new(x, 0.03, random.between(0.085, 0.12))).yaw(random.between(-0.3, 0.3));
         match (peg as u64 + seed) % 5 {
             0 | 3 => tools::tongs(builder, palette, detail, random.between(0.45, 0.6)),
@@ -74,7 +74,7 @@ fn rack(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fram
 /// Chains from the beams: straight ones with hooks, and some that sag from beam to beam.
 fn chains(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let mut random = Random(31);
-    let divisions = [detail.around(6), detail.around(10)];
+    let divisions = detail.ring(6, 10);
     for number in 0..14_u32 {
         builder.object(format!("chain {number}"));
         builder.frame = Frame::WORLD;
@@ -86,7 +86,7 @@ fn chains(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             let angle = TURN * mix(0.25, -0.5, t);
             low + DVec3::new(0.05 * cos(angle), -0.05 + 0.05 * sin(angle), 0.0)
         };
-        tube(builder, palette.iron, [detail.around(8), detail.divide(18, 5)], bend, |t| 0.011 - 0.006 * t * t);
+        tube(builder, palette.iron, detail.bend(8, [18, 5]), bend, |t| 0.011 - 0.006 * t * t);
     }
     for (number, z) in [-1.9, 0.6, 2.9].into_iter().enumerate() {
         for bay in 0..3 {
@@ -107,7 +107,7 @@ fn strings(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         builder.frame = Frame::WORLD;
         let top = DVec3::new(x, 3.34, z);
         let path = |t: f64| top + DVec3::new(0.01 * sin(9.0 * t), -1.15 * t, 0.01 * cos(9.0 * t));
-        tube(builder, palette.rope, [detail.around(8), detail.divide(20, 4)], path, |_| 0.006);
+        tube(builder, palette.rope, detail.bend(8, [20, 4]), path, |_| 0.006);
         for shoe in 0..6 {
             builder.frame = Frame::at(path(0.2 + 0.15 * f64::from(shoe))).yaw(0.9 * f64::from(shoe));
             tools::horseshoe(builder, palette, detail);

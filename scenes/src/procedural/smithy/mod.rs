@@ -10,7 +10,7 @@ mod shell;
 mod store;
 mod tools;
 
-use super::builder::{MaterialId, MeshBuilder};
+use super::builder::{MaterialId, MeshBuilder, palette};
 use super::{Built, Detail, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
@@ -22,52 +22,25 @@ const HEIGHT: f64 = 4.2;
 /// How deep things are sunk into what they stand on.
 const SUNK: f64 = 0.006;
 
-/// What things are made of.
-struct Palette {
-    wall: MaterialId,
-    stone: MaterialId,
-    brick: MaterialId,
-    wood: MaterialId,
-    dark_wood: MaterialId,
-    board: MaterialId,
-    iron: MaterialId,
-    steel: MaterialId,
-    polished: MaterialId,
-    copper: MaterialId,
-    water: MaterialId,
-    leather: MaterialId,
-    rope: MaterialId,
-    coal: MaterialId,
-    ember: MaterialId,
-    clay: MaterialId,
-    glaze: MaterialId,
-    sack: MaterialId,
-}
-
-impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        let mut matt = |color| builder.material(color, 0.0, 0.9);
-        Self {
-            wall: matt([0.55, 0.5, 0.43]),
-            stone: matt([0.42, 0.41, 0.39]),
-            brick: matt([0.48, 0.25, 0.18]),
-            wood: matt([0.5, 0.34, 0.19]),
-            dark_wood: matt([0.27, 0.17, 0.1]),
-            board: matt([0.42, 0.3, 0.18]),
-            leather: matt([0.36, 0.18, 0.09]),
-            rope: matt([0.62, 0.52, 0.33]),
-            coal: matt([0.05, 0.05, 0.05]),
-            ember: matt([0.95, 0.35, 0.06]),
-            clay: matt([0.6, 0.33, 0.21]),
-            glaze: matt([0.16, 0.3, 0.36]),
-            sack: matt([0.6, 0.52, 0.4]),
-            iron: builder.material([0.22, 0.22, 0.23], 1.0, 0.5),
-            steel: builder.material([0.55, 0.56, 0.58], 1.0, 0.3),
-            polished: builder.material([0.88, 0.88, 0.9], 1.0, 0.03),
-            copper: builder.material([0.9, 0.55, 0.4], 1.0, 0.1),
-            water: builder.material([0.4, 0.45, 0.48], 1.0, 0.0),
-        }
-    }
+palette! {
+    wall: [0.55, 0.5, 0.43];
+    stone: [0.42, 0.41, 0.39];
+    brick: [0.48, 0.25, 0.18];
+    wood: [0.5, 0.34, 0.19];
+    dark_wood: [0.27, 0.17, 0.1];
+    board: [0.42, 0.3, 0.18];
+    leather: [0.36, 0.18, 0.09];
+    rope: [0.62, 0.52, 0.33];
+    coal: [0.05, 0.05, 0.05];
+    ember: [0.95, 0.35, 0.06];
+    clay: [0.6, 0.33, 0.21];
+    glaze: [0.16, 0.3, 0.36];
+    sack: [0.6, 0.52, 0.4];
+    iron: [0.22, 0.22, 0.23], 1.0, 0.5;
+    steel: [0.55, 0.56, 0.58], 1.0, 0.3;
+    polished: [0.88, 0.88, 0.9], 1.0, 0.03;
+    copper: [0.9, 0.55, 0.4], 1.0, 0.1;
+    water: [0.4, 0.45, 0.48], 1.0, 0.0;
 }
 
 /// Builds the smithy with about `scale` times its triangles at scale 1; it does not move.

@@ -13,7 +13,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     builder.object("walls");
     inside(builder, palette.wall, detail);
     let [x, z] = HALF.map(|half| half + 0.35);
-    let around = [detail.along(10), detail.along(6), detail.along(10)];
+    let around = detail.sides([10, 6, 10]);
     cuboid(builder, palette.stone, DVec3::new(-x, -0.4, -z), DVec3::new(x, HEIGHT + 0.35, z), around);
     builder.object("flagstones");
     flagstones(builder, palette);
@@ -84,7 +84,7 @@ fn panelling(builder: &mut MeshBuilder, palette: &Palette) {
 /// Posts with braces along the long walls, beams across, rafters along, boards above these.
 fn beams(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let mut random = Random(7);
-    let divisions = [detail.along(2), detail.along(8)];
+    let divisions = detail.sides([2, 8]);
     let [half_x, half_z] = HALF;
     for at in 0..5 {
         let x = -4.4 + 2.2 * f64::from(at);

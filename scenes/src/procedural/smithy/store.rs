@@ -70,13 +70,7 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
                     builder.frame = here;
                 } else {
                     let material = if stick % 2 == 0 { palette.iron } else { palette.wood };
-                    rod(
-                        builder,
-                        material,
-                        [detail.around(8), detail.along(6)],
-                        [foot, top],
-                        random.between(0.008, 0.016),
-                    );
+                    rod(builder, material, detail.tube(8, 6), [foot, top], random.between(0.008, 0.016));
                 }
             }
         } else {

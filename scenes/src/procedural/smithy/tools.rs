@@ -11,10 +11,10 @@ use crate::procedural::shapes::{cuboid, loop_tube, revolve, ribbon, rod, slab, s
 /// Hangs down from the origin: a handle of `long` metres and an iron head.
 pub(super) fn hammer(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64) {
     let handle = |t: f64| DVec3::Y * (-long * t);
-    tube(builder, palette.wood, [detail.around(8), detail.divide(6, 2)], handle, |t| 0.014 + 0.006 * sin(3.0 * t));
+    tube(builder, palette.wood, detail.bend(8, [6, 2]), handle, |t| 0.014 + 0.006 * sin(3.0 * t));
     let head = |t: f64| DVec3::new(mix(-0.09, 0.09, t), -long + 0.03, 0.0);
     let size = |t: f64| DVec2::splat(0.03 + 0.012 * (2.0 * t - 1.0) * (2.0 * t - 1.0));
-    ribbon(builder, palette.iron, [detail.around(12), detail.divide(6, 2)], Some(DVec3::Z), head, size);
+    ribbon(builder, palette.iron, detail.bend(12, [6, 2]), Some(DVec3::Z), head, size);
 }
 
 /// Hangs from the origin: two bent legs riveted together, with jaws.
@@ -30,11 +30,11 @@ pub(super) fn tongs(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         ];
         let path = |t: f64| curve(&knots, t);
         let size = |t: f64| 0.009 - 0.003 * t;
-        tube(builder, palette.iron, [detail.around(6), detail.divide(16, 6)], path, size);
+        tube(builder, palette.iron, detail.bend(6, [16, 6]), path, size);
     }
     let rivet = DVec3::new(0.0, -0.71 * long, 0.0);
     let ends = [rivet - DVec3::Z * 0.025, rivet + DVec3::Z * 0.025];
-    rod(builder, palette.steel, [detail.around(8), detail.along(2)], ends, 0.012);
+    rod(builder, palette.steel, detail.tube(8, 2), ends, 0.012);
 }
 
 /// A horseshoe in the plane z = 0, its bow at the origin, open downwards.
@@ -43,21 +43,19 @@ pub(super) fn horseshoe(builder: &mut MeshBuilder, palette: &Palette, detail: De
         let angle = TURN * mix(-0.14, 0.64, t);
         DVec3::new(0.06 * cos(angle), -0.07 + 0.075 * sin(angle), 0.0)
     };
-    ribbon(builder, palette.steel, [detail.around(6), detail.divide(16, 6)], Some(DVec3::Z), path, |_| {
-        DVec2::new(0.005, 0.013)
-    });
+    ribbon(builder, palette.steel, detail.bend(6, [16, 6]), Some(DVec3::Z), path, |_| DVec2::new(0.005, 0.013));
 }
 
 /// A sword that points down from its pommel at the origin.
 pub(super) fn sword(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64) {
-    let around = [detail.around(8), detail.divide(6, 2)];
+    let around = detail.bend(8, [6, 2]);
     tube(builder, palette.leather, around, |t| DVec3::Y * mix(0.0, -0.168, t), |t| 0.013 + 0.01 * t * (1.0 - t));
     tube(builder, palette.steel, around, |t| DVec3::new(mix(-0.1, 0.1, t), -0.165, 0.0), |_| 0.012);
     let blade = |t: f64| DVec3::Y * mix(-0.162, -long, t);
-    ribbon(builder, palette.polished, [detail.around(8), detail.divide(12, 3)], Some(DVec3::X), blade, |t| {
+    ribbon(builder, palette.polished, detail.bend(8, [12, 3]), Some(DVec3::X), blade, |t| {
         DVec2::new(mix(0.028, 0.02, t) * libm::sqrt(1.0 - 0.97 * t * t * t * t * t * t), 0.005)
     });
-    torus(builder, palette.steel, [detail.around(6), detail.around(12)], DVec3::Y * 0.02, [0.014, 0.009]);
+    torus(builder, palette.steel, detail.ring(6, 12), DVec3::Y * 0.02, [0.014, 0.009]);
 }
 
 /// A thin-walled pot of height and radius 1 times `size`, standing on the origin.
@@ -91,14 +89,14 @@ pub(super) fn bucket(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
     .collect();
     revolve(builder, palette.wood, detail.around(16), &profile);
     for (up, radius) in [(0.06, 0.128), (0.24, 0.151)] {
-        let divisions = [detail.around(6), detail.around(16)];
+        let divisions = detail.ring(6, 16);
         torus(builder, palette.iron, divisions, DVec3::Y * (up * size), [radius * size, 0.007 * size]);
     }
     let bail = |t: f64| {
         let angle = TURN / 2.0 * t;
         DVec3::new(-0.162 * cos(angle), 0.27 + 0.17 * sin(angle), 0.03 * sin(angle)) * size
     };
-    tube(builder, palette.iron, [detail.around(6), detail.divide(12, 4)], bail, |_| 0.006 * size);
+    tube(builder, palette.iron, detail.bend(6, [12, 4]), bail, |_| 0.006 * size);
 }
 
 /// A coil of rope lying on the origin.
@@ -106,7 +104,7 @@ pub(super) fn coil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail,
     for turn in 0..4 {
         let at = DVec3::new(0.004 * f64::from(turn % 2), 0.02 + 0.033 * f64::from(turn), 0.003 * f64::from(turn));
         let wide = radius - 0.006 * f64::from(turn % 3);
-        torus(builder, palette.rope, [detail.around(6), detail.around(20)], at, [wide, 0.019]);
+        torus(builder, palette.rope, detail.ring(6, 20), at, [wide, 0.019]);
     }
 }
 
@@ -129,14 +127,14 @@ pub(super) fn shield(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
         detail.divide(20, 9),
     );
     revolve(builder, palette.polished, detail.around(44), &profile);
-    torus(builder, palette.copper, [detail.around(8), detail.around(44)], DVec3::Y * 0.008, [radius, 0.016]);
+    torus(builder, palette.copper, detail.ring(8, 44), DVec3::Y * 0.008, [radius, 0.016]);
     builder.frame = here;
 }
 
 /// A caged lantern hanging from the origin by its ring.
 pub(super) fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let ring = |t: f64| DVec3::new(0.035 * cos(TURN * t), -0.03 + 0.035 * sin(TURN * t), 0.0);
-    loop_tube(builder, palette.iron, [detail.around(6), detail.around(16)], ring, 0.005);
+    loop_tube(builder, palette.iron, detail.ring(6, 16), ring, 0.005);
     let here = builder.frame;
     builder.frame = here.shift(DVec3::Y * -0.4);
     let cap =
@@ -152,10 +150,10 @@ pub(super) fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Deta
         let angle = TURN * f64::from(bar) / 8.0;
         let out = DVec3::new(cos(angle), 0.0, sin(angle)) * 0.1;
         let ends = [out + DVec3::Y * 0.02, out + DVec3::Y * 0.255];
-        rod(builder, palette.iron, [detail.around(6), detail.along(4)], ends, 0.004);
+        rod(builder, palette.iron, detail.tube(6, 4), ends, 0.004);
     }
     for up in [0.09, 0.17] {
-        torus(builder, palette.iron, [detail.around(6), detail.around(20)], DVec3::Y * up, [0.101, 0.0045]);
+        torus(builder, palette.iron, detail.ring(6, 20), DVec3::Y * up, [0.101, 0.0045]);
     }
     builder.frame = here;
 }
@@ -163,10 +161,10 @@ pub(super) fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Deta
 /// A squashed sack lying on the origin.
 pub(super) fn sack(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, size: f64) {
     let half = DVec3::new(0.36, 0.15, 0.24) * size;
-    let divisions = [detail.around(26), detail.divide(12, 3)];
+    let divisions = detail.bend(26, [12, 3]);
     slab(builder, palette.sack, divisions, DVec3::Y * (half.y - 0.01), half, 2.8);
     let neck = [DVec3::new(0.3 * size, half.y, 0.0), DVec3::new(0.45 * size, half.y * 1.1, 0.0)];
-    rod(builder, palette.rope, [detail.around(12), detail.along(4)], neck, 0.045 * size);
+    rod(builder, palette.rope, detail.tube(12, 4), neck, 0.045 * size);
 }
 
 /// An open box of five boards, standing on the origin.

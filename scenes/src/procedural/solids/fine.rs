@@ -33,7 +33,7 @@ fn knots(solids: &mut Solids) {
             let wide = size * (1.0 + 0.45 * cos(about));
             DVec3::new(wide * cos(along), size * 0.45 * sin(about), wide * sin(along))
         };
-        loop_tube(builder, material, [detail.around(17), detail.divide(230, 12)], path, thick);
+        loop_tube(builder, material, detail.bend(17, [230, 12]), path, thick);
         builder.frame = Frame::WORLD;
     }
 }
@@ -51,7 +51,7 @@ fn springs(solids: &mut Solids) {
             };
             // Ends taper like drawn wire.
             let thick = |t: f64| wire * (0.3 + 0.7 * smoothstep(0.0, 0.02, t) * smoothstep(0.0, 0.02, 1.0 - t));
-            tube(builder, material, [detail.around(10), detail.divide(140, 15)], path, thick);
+            tube(builder, material, detail.bend(10, [140, 15]), path, thick);
         }
     }
 }
@@ -66,7 +66,7 @@ fn chain(solids: &mut Solids) {
             let frame = builder.frame;
             builder.frame = frame.shift(DVec3::Y * (0.21 * f64::from(number))).yaw(turned).pitch(TURN / 4.0);
             let material = if number == 1 { palette.gold } else { palette.glass(number as usize + 3) };
-            torus(builder, material, [detail.around(10), detail.divide(28, 8)], DVec3::ZERO, [0.14, 0.03]);
+            torus(builder, material, detail.bend(10, [28, 8]), DVec3::ZERO, [0.14, 0.03]);
             builder.frame = frame;
         }
     }

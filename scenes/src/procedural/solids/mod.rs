@@ -11,7 +11,7 @@ mod turned;
 
 use glam::DVec3;
 
-use super::builder::{MaterialId, MeshBuilder};
+use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::Frame;
 use super::shapes::{revolve, straight_profile};
 use super::{Built, Detail, NamedPose, cameras, path};
@@ -26,40 +26,22 @@ const STAGE: f64 = 0.1;
 /// Radius of the dome inside, in metres.
 const DOME: f64 = 5.2;
 
-/// What things are made of.
-struct Palette {
-    dome: MaterialId,
-    stage: MaterialId,
-    stone: MaterialId,
-    clear: MaterialId,
-    blue: MaterialId,
-    green: MaterialId,
-    amber: MaterialId,
-    rose: MaterialId,
-    violet: MaterialId,
-    chrome: MaterialId,
-    gold: MaterialId,
-    brass: MaterialId,
+palette! {
+    dome: [0.7, 0.78, 0.84], 0.0, 0.1;
+    stage: [0.46, 0.43, 0.4], 0.0, 0.7;
+    stone: [0.3, 0.31, 0.34], 0.0, 0.8;
+    clear: [0.86, 0.9, 0.92], 0.0, 0.02;
+    blue: [0.14, 0.34, 0.72], 0.0, 0.02;
+    green: [0.12, 0.55, 0.3], 0.0, 0.02;
+    amber: [0.88, 0.52, 0.1], 0.0, 0.02;
+    rose: [0.8, 0.2, 0.28], 0.0, 0.02;
+    violet: [0.45, 0.24, 0.62], 0.0, 0.02;
+    chrome: [0.92, 0.92, 0.93], 1.0, 0.0;
+    gold: [0.95, 0.75, 0.35], 1.0, 0.05;
+    brass: [0.75, 0.62, 0.32], 1.0, 0.4;
 }
 
 impl Palette {
-    fn new(builder: &mut MeshBuilder) -> Self {
-        Self {
-            dome: builder.material([0.7, 0.78, 0.84], 0.0, 0.1),
-            stage: builder.material([0.46, 0.43, 0.4], 0.0, 0.7),
-            stone: builder.material([0.3, 0.31, 0.34], 0.0, 0.8),
-            clear: builder.material([0.86, 0.9, 0.92], 0.0, 0.02),
-            blue: builder.material([0.14, 0.34, 0.72], 0.0, 0.02),
-            green: builder.material([0.12, 0.55, 0.3], 0.0, 0.02),
-            amber: builder.material([0.88, 0.52, 0.1], 0.0, 0.02),
-            rose: builder.material([0.8, 0.2, 0.28], 0.0, 0.02),
-            violet: builder.material([0.45, 0.24, 0.62], 0.0, 0.02),
-            chrome: builder.material([0.92, 0.92, 0.93], 1.0, 0.0),
-            gold: builder.material([0.95, 0.75, 0.35], 1.0, 0.05),
-            brass: builder.material([0.75, 0.62, 0.32], 1.0, 0.4),
-        }
-    }
-
     /// One of the coloured glasses, in turn.
     fn glass(&self, number: usize) -> MaterialId {
         [self.blue, self.amber, self.green, self.rose, self.violet, self.clear][number % 6]
