@@ -108,6 +108,11 @@ pub(super) const fn at(resolution: f64, rows: &'static [ExperimentRow]) -> Step 
     Step { resolution, faces: 1.0, time_s: 0.0, scale: 1.0, rays: &[], rows }
 }
 
+/// One step, at every resolution as it is.
+pub(super) const fn once(rows: &'static [ExperimentRow]) -> [Step; 1] {
+    [at(1.0, rows)]
+}
+
 /// A step at a time of the animation.
 pub(super) const fn at_time(time_s: f64, rows: &'static [ExperimentRow]) -> Step {
     Step { time_s, ..at(1.0, rows) }

@@ -3,7 +3,7 @@
 use tracebench_api::TraceTo;
 
 use super::{charts, sections};
-use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Values, at, peer, stands_for};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Values, at, once, peer, stands_for};
 use crate::papers::page::beside::beside;
 use crate::papers::vvp16::{ABUFFER, BUILT_ON_DEVICE, abuffer};
 use crate::papers::wkp15::quadtree;
@@ -44,7 +44,7 @@ const TABLE1: Experiment = Experiment {
     scenes: ALL_SCENES,
     rays: "visibility,specular,glossy,diffuse",
     settings: &["rays.visibility_target=outside"],
-    steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2"]), ("buckets", &["24"])])])],
+    steps: &once(&[dirt(&[("tile_size", &["1", "2"]), ("buckets", &["24"])])]),
     sections: &[sections::throughput],
     notes: &[
         "Tiles of one pixel are the paper's by section 5 where nothing else is said, tiles of 2x2 those that it \
@@ -63,14 +63,11 @@ const TABLE2: Experiment = Experiment {
     scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
     rays: "diffuse,specular",
     trace_to: TraceTo::Surface,
-    steps: &[at(
-        1.0,
-        &[
-            dirt(&[("tile_size", &["1"]), ("buckets", &["4"]), ("coverage", &["standard", "conservative"])]),
-            abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"])]),
-            abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"]), IN_PIXELS, THICKNESS]),
-        ],
-    )],
+    steps: &once(&[
+        dirt(&[("tile_size", &["1"]), ("buckets", &["4"]), ("coverage", &["standard", "conservative"])]),
+        abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"])]),
+        abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"]), IN_PIXELS, THICKNESS]),
+    ]),
     sections: &[|page| beside(page, ABUFFER), sections::copies],
     notes: &[
         "Traces go to surfaces: VVP16 stores what shading needs with every fragment, DIRT fetches it of hits. With the paper's own \
@@ -93,7 +90,7 @@ const TABLE3: Experiment = Experiment {
     summary: "bytes by the formula beside those of the ledger, over tile size and B (DIRT, Table 3)",
     published: &["dirt-table3", "dirt-node-sizes", "dirt-mipmaps"],
     scenes: ALL_SCENES,
-    steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["4", "24"])])])],
+    steps: &once(&[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["4", "24"])])]),
     sections: &[sections::formula],
     notes: &[
         "The formula has the device's own counts in it: c n_p are the references stored, tiles those of six faces.",
@@ -109,13 +106,10 @@ const FIGURE7: Experiment = Experiment {
     published: &["dirt-figure7"],
     scenes: &[stands_for("room", "Bunny")],
     rays: "specular,diffuse,bounce2",
-    steps: &[at(
-        1.0,
-        &[
-            dirt(&[("tile_size", &["1"])]),
-            abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), IN_PIXELS, ("thickness", &["0", "1", "4", "16"])]),
-        ],
-    )],
+    steps: &once(&[
+        dirt(&[("tile_size", &["1"])]),
+        abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), IN_PIXELS, ("thickness", &["0", "1", "4", "16"])]),
+    ]),
     notes: &[
         "VVP16's thickness is varied in widths of a pixel where the ray is; the paper's three values are not told.",
         "The paper's pictures have two indirect bounces; here these are the sets diffuse and bounce2, and mirrors, where it says that \
@@ -159,10 +153,7 @@ const FIGURE9: Experiment = Experiment {
     scenes: &[stands_for("room", "Bunny"), stands_for("candy", "Candy")],
     rays: "primary,specular,diffuse,visibility",
     settings: &["rays.visibility_target=outside"],
-    steps: &[at(
-        1.0,
-        &[dirt(&[("views", &["six", "frame"])]), dirt(&[("views", &["frame"]), ("shadow_map", &["on"])])],
-    )],
+    steps: &once(&[dirt(&[("views", &["six", "frame"])]), dirt(&[("views", &["frame"]), ("shadow_map", &["on"])])]),
     notes: &[
         "In the last row a shadow map from the light outside of the scene, drawn by the build, answers the visibility rays; the paper \
          states neither its lights nor its maps' resolution. The second scene of the paper's figure is not named; Candy is the one here.",
@@ -178,7 +169,7 @@ const FIGURE10: Experiment = Experiment {
     scenes: &[stands_for("cloth", "Cloth"), stands_for("room", "Bunny"), stands_for("candy", "Candy")],
     rays: "diffuse",
     trace_to: TraceTo::Surface,
-    steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])])],
+    steps: &once(&[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])]),
     sections: &[sections::copies],
     charts: &[charts::over_buckets],
     notes: &[
@@ -212,17 +203,14 @@ const FAMILIES: Experiment = Experiment {
     summary: "build, memory and accuracy of a method of every family that came before, beside DIRT (DIRT, section 2)",
     scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
     rays: "diffuse,specular",
-    steps: &[at(
-        1.0,
-        &[
-            ExperimentRow { tracer: wkp15::DDA, values: &[("layers", &["1", "2"])] },
-            quadtree(&[("layers", &["2"]), ("views", &["frame"])]),
-            quadtree(&[("layers", &["1"]), ("views", &["six"])]),
-            peer(hhz14::ABUFFER),
-            abuffer(&[]),
-            dirt(&[("tile_size", &["2"])]),
-        ],
-    )],
+    steps: &once(&[
+        ExperimentRow { tracer: wkp15::DDA, values: &[("layers", &["1", "2"])] },
+        quadtree(&[("layers", &["2"]), ("views", &["frame"])]),
+        quadtree(&[("layers", &["1"]), ("views", &["six"])]),
+        peer(hhz14::ABUFFER),
+        abuffer(&[]),
+        dirt(&[("tile_size", &["2"])]),
+    ]),
     sections: &[|page| beside(page, wkp15::DDA)],
     notes: &[
         "In the order of the paper: a G-buffer is screen-dda, depth peeling its two layers, a k-buffer the two layers of the quadtree, a cube \

@@ -3,7 +3,7 @@
 use tracebench_api::TraceTo;
 
 use super::{ABUFFER, DEPTH_IMAGES, SAMPLES, abuffer, octree, sections};
-use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, at, of_rays, peer, stands_for};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, of_rays, once, peer, stands_for};
 use crate::papers::page::beside::beside;
 
 /// Every one, in the order of lists.
@@ -23,15 +23,12 @@ const TABLE1: Experiment = Experiment {
     scenes: OF_TABLE_1,
     rays: "specular,refraction,visibility",
     trace_to: TraceTo::Surface,
-    steps: &[at(
-        1.0,
-        &[
-            abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), BOTH]),
-            octree(&[("levels", &["10"]), ("traversal", &["restart", "stack"])]),
-            peer(DEPTH_IMAGES[0]),
-            peer(DEPTH_IMAGES[1]),
-        ],
-    )],
+    steps: &once(&[
+        abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), BOTH]),
+        octree(&[("levels", &["10"]), ("traversal", &["restart", "stack"])]),
+        peer(DEPTH_IMAGES[0]),
+        peer(DEPTH_IMAGES[1]),
+    ]),
     launch: true,
     sections: &[sections::octree],
     notes: &[
@@ -57,7 +54,7 @@ const FIGURE6: Experiment = Experiment {
     published: &["hhz14-figure6"],
     scenes: OF_FIGURE_6,
     rays: "specular,refraction,visibility,ao",
-    steps: &[at(1.0, &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), ("search", SEARCHES)])])],
+    steps: &once(&[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), ("search", SEARCHES)])]),
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "The figure's frame rates are lost with its pictures. It has 128 rays a fragment of ambient occlusion, here is one.",
@@ -96,14 +93,11 @@ const FIGURE9: Experiment = Experiment {
     published: &["hhz14-figure9", "hhz14-voxels-alone"],
     scenes: OF_FIGURE_6,
     rays: "ao,diffuse",
-    steps: &[at(
-        1.0,
-        &[
-            abuffer(&[BOTH]),
-            abuffer(&[("abuffer", &["1024"]), BOTH]),
-            abuffer(&[("structure", &["voxels-only"]), ("grid", GRIDS)]),
-        ],
-    )],
+    steps: &once(&[
+        abuffer(&[BOTH]),
+        abuffer(&[("abuffer", &["1024"]), BOTH]),
+        abuffer(&[("structure", &["voxels-only"]), ("grid", GRIDS)]),
+    ]),
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "Voxels alone go to 1024 along an edge here, a bit each; the paper says that 1280 would serve. How many rays a fragment each \
@@ -119,7 +113,7 @@ const FIGURE11: Experiment = Experiment {
     published: &["hhz14-figure11"],
     scenes: &[stands_for("atrium", "Sponza")],
     rays: "diffuse,bounce2",
-    steps: &[at(1.0, &[abuffer(&[("grid", &["256", "64"]), BOTH])])],
+    steps: &once(&[abuffer(&[("grid", &["256", "64"]), BOTH])]),
     sections: &[|page| beside(page, ABUFFER)],
     notes: &["The paper does not say how many rays its paths have, so that its times stand beside nothing here."],
     ..Experiment::DEFAULT
@@ -136,13 +130,10 @@ const TEXT: Experiment = Experiment {
         stands_for("foliage", "open leaves"),
     ],
     rays: "diffuse,specular",
-    steps: &[at(
-        1.0,
-        &[
-            abuffer(&[("abuffer", &["1024", "512", "2048"]), ("grid", &["64"]), ("search", SEARCHES)]),
-            abuffer(&[("grid", &["0", "32", "128", "256"]), BOTH]),
-        ],
-    )],
+    steps: &once(&[
+        abuffer(&[("abuffer", &["1024", "512", "2048"]), ("grid", &["64"]), ("search", SEARCHES)]),
+        abuffer(&[("grid", &["0", "32", "128", "256"]), BOTH]),
+    ]),
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "A grid of 0 is the one by the paper's rule. The second part has A-buffers of two and a half faces, as published: 1280 square where a face has 512 pixels.",
@@ -165,7 +156,7 @@ const SCENES: Experiment = Experiment {
         stands_for("smithy", "a scene"),
     ],
     rays: "diffuse",
-    steps: &[at(1.0, &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), BOTH])])],
+    steps: &once(&[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), BOTH])]),
     sections: &[|page| beside(page, ABUFFER)],
     ..Experiment::DEFAULT
 };

@@ -3,7 +3,7 @@
 use tracebench_api::TraceTo;
 
 use super::{ABUFFER, BUILT_ON_DEVICE, abuffer, charts, sections};
-use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Step, at, at_time, peer, stands_for};
+use crate::papers::experiment::{Experiment, ExperimentRow, StandIn, Step, at, at_time, once, peer, stands_for};
 use crate::papers::page::beside::beside;
 use crate::papers::wkp15::quadtree;
 
@@ -28,10 +28,11 @@ const TABLE1: Experiment = Experiment {
     scenes: OF_TABLE_1,
     rays: "diffuse,bounce2,ao",
     trace_to: TraceTo::Surface,
-    steps: &[at(
-        1.0,
-        &[abuffer(&[]), abuffer(&[("skip_bounds", OFF), ("skip_buckets", OFF)]), abuffer(&[("buckets", &["8", "12"])])],
-    )],
+    steps: &once(&[
+        abuffer(&[]),
+        abuffer(&[("skip_bounds", OFF), ("skip_buckets", OFF)]),
+        abuffer(&[("buckets", &["8", "12"])]),
+    ]),
     sections: &[sections::bounces],
     notes: &[
         "One bounce is the set diffuse, a ray a pixel; two bounces are diffuse and bounce2 together, paths that leave the scene \
@@ -50,13 +51,10 @@ const TABLE2: Experiment = Experiment {
     summary: "bytes by the formula beside those of the ledger, for five storages (VVP16, Table 2)",
     published: &["vvp16-table2"],
     scenes: OF_TABLE_1,
-    steps: &[at(
-        1.0,
-        &[
-            abuffer(&[("storage", &["s-buffer", "ll", "dll"])]),
-            abuffer(&[("storage", &["llb", "dllb"]), ("buckets", &["4", "1", "8"])]),
-        ],
-    )],
+    steps: &once(&[
+        abuffer(&[("storage", &["s-buffer", "ll", "dll"])]),
+        abuffer(&[("storage", &["llb", "dllb"]), ("buckets", &["4", "1", "8"])]),
+    ]),
     sections: &[sections::formula],
     notes: &[
         "The formula has the device's own counts in it, and 16 bytes of data a fragment: its normal and its material.",
@@ -92,17 +90,14 @@ const FIGURE11: Experiment = Experiment {
     scenes: &[stands_for("atrium", "Sponza"), stands_for("foliage", "Ruins")],
     rays: "diffuse",
     trace_to: TraceTo::Surface,
-    steps: &[at(
-        1.0,
-        &[
-            abuffer(&[("thickness", &["0"])]),
-            abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
-            BUILT_ON_DEVICE,
-            peer("bvh-gpu"),
-            peer("bvh-cpu"),
-            peer("ray-query"),
-        ],
-    )],
+    steps: &once(&[
+        abuffer(&[("thickness", &["0"])]),
+        abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
+        BUILT_ON_DEVICE,
+        peer("bvh-gpu"),
+        peer("bvh-cpu"),
+        peer("ray-query"),
+    ]),
     launch: true,
     sections: &[|page| beside(page, ABUFFER)],
     notes: &[
@@ -122,19 +117,16 @@ const FIGURE12: Experiment = Experiment {
     scenes: &[stands_for("atrium", "Dead Nature"), stands_for("hangar", "Sponza"), stands_for("foliage", "Ruins")],
     rays: "pixel-random",
     trace_to: TraceTo::Surface,
-    steps: &[at(
-        1.0,
-        &[
-            abuffer(&[
-                ("views", &["frame"]),
-                ("storage", STORAGES),
-                ("decoupled", &["off", "on"]),
-                ("skip_bounds", OFF),
-                ("skip_buckets", OFF),
-            ]),
-            abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["on"])]),
-        ],
-    )],
+    steps: &once(&[
+        abuffer(&[
+            ("views", &["frame"]),
+            ("storage", STORAGES),
+            ("decoupled", &["off", "on"]),
+            ("skip_bounds", OFF),
+            ("skip_buckets", OFF),
+        ]),
+        abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["on"])]),
+    ]),
     sections: &[sections::variants],
     charts: &[charts::variants],
     notes: &[

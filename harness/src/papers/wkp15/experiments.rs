@@ -3,7 +3,7 @@
 use super::quantities::thresholds;
 use super::{FIELD, MESH, SAMPLES_A_RAY, charts, dda, quadtree, sections};
 use crate::papers::experiment::{
-    Experiment, ExperimentRow, StandIn, Step, Values, at, at_scale, of_rays, peer, stands_for,
+    Experiment, ExperimentRow, StandIn, Step, Values, at, at_scale, of_rays, once, peer, stands_for,
 };
 
 /// Every one, in the order of lists.
@@ -69,19 +69,16 @@ const TABLE2: Experiment = Experiment {
     published: &["wkp15-table2", "wkp15-beside-peers", "wkp15-deeper-layers", "wkp15-figure1"],
     scenes: SEQUENCES,
     rays: "stereo",
-    steps: &[at(
-        1.0,
-        &[
-            quadtree(&[("layers", LAYERS)]),
-            FLAGGED,
-            SEPARATED,
-            FRONT_FACES,
-            quadtree(&[("layers", &["1"]), ("gamma_norm", &["0"]), ("gamma_dist", &["0"])]),
-            dda(STEREO_STEPS),
-            peer(FIELD),
-            WARPING,
-        ],
-    )],
+    steps: &once(&[
+        quadtree(&[("layers", LAYERS)]),
+        FLAGGED,
+        SEPARATED,
+        FRONT_FACES,
+        quadtree(&[("layers", &["1"]), ("gamma_norm", &["0"]), ("gamma_dist", &["0"])]),
+        dda(STEREO_STEPS),
+        peer(FIELD),
+        WARPING,
+    ]),
     launch: true,
     sections: &[sections::stereo],
     notes: &[
@@ -180,13 +177,10 @@ const TABLE5: Experiment = Experiment {
     published: &["wkp15-table5", "wkp15-figure11"],
     scenes: &[stands_for("room", "Table 5"), stands_for("solids", "Table 5"), stands_for("atrium", "Table 5")],
     rays: "glossy,glossy2,glossy3,specular",
-    steps: &[at(
-        1.0,
-        &[
-            quadtree(&[CUBE, ("layers", LAYERS), (SAMPLES_A_RAY, &["0", "4", "8"])]),
-            quadtree(&[("views", &["frame"]), ("layers", LAYERS)]),
-        ],
-    )],
+    steps: &once(&[
+        quadtree(&[CUBE, ("layers", LAYERS), (SAMPLES_A_RAY, &["0", "4", "8"])]),
+        quadtree(&[("views", &["frame"]), ("layers", LAYERS)]),
+    ]),
     sections: &[sections::reflections],
     notes: &[
         "Three bounces are the sets glossy, glossy2 and glossy3 together. A ray a pixel starts: N_p of 3 is thrice the rays. The paper \
@@ -207,15 +201,12 @@ const FIGURE14: Experiment = Experiment {
     published: &["wkp15-figure14", "wkp15-figure10", "wkp15-compression"],
     scenes: SEQUENCES,
     rays: "stereo",
-    steps: &[at(
-        1.0,
-        &[
-            quadtree(&[USUAL[0], ("gamma_dist", &["1e-5", "1e-4", "1e-3", "1e-2", "1e-1"])]),
-            quadtree(&[("gamma_norm", &["8", "14", "20", "25"]), USUAL[1]]),
-            quadtree(&[("gamma_norm", &thresholds::ANGLES), ("gamma_dist", &[thresholds::NO_DISTANCE])]),
-            quadtree(LOSSLESS),
-        ],
-    )],
+    steps: &once(&[
+        quadtree(&[USUAL[0], ("gamma_dist", &["1e-5", "1e-4", "1e-3", "1e-2", "1e-1"])]),
+        quadtree(&[("gamma_norm", &["8", "14", "20", "25"]), USUAL[1]]),
+        quadtree(&[("gamma_norm", &thresholds::ANGLES), ("gamma_dist", &[thresholds::NO_DISTANCE])]),
+        quadtree(LOSSLESS),
+    ]),
     sections: &[sections::thresholds],
     charts: &[charts::thresholds],
     notes: &[
