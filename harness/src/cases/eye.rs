@@ -1,6 +1,6 @@
 //! Cases about where the eye stands.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, RAYS, Sketch, Stage};
@@ -23,13 +23,13 @@ fn inside(radius: f64) -> Result<Setup, TracerError> {
     let radius = radius * 48.0_f64.sqrt();
     sketch.sphere(DVec3::ZERO, radius, 6, || true);
     for index in 0..30 {
-        let place = DVec3::new(f64::from(index % 6) * 0.36 - 0.9, f64::from(index / 6) * 0.42 - 0.84, -1.9);
-        sketch.plate_around(place, DVec3::new(0.12, 0.0, 0.02), DVec3::new(0.0, 0.14, -0.03));
+        let place = dvec3(f64::from(index % 6) * 0.36 - 0.9, f64::from(index / 6) * 0.42 - 0.84, -1.9);
+        sketch.plate_around(place, dvec3(0.12, 0.0, 0.02), dvec3(0.0, 0.14, -0.03));
     }
     let stage = sketch.seen_by(Camera::default())?;
     rays_made.through_centres(&stage.view, RAYS / 2);
     for _ in 0..RAYS / 2 {
-        let target = DVec3::new(rays_made.signed(), rays_made.signed(), -1.9);
+        let target = dvec3(rays_made.signed(), rays_made.signed(), -1.9);
         let origin = target * 0.8 + 0.05 * rays_made.point();
         rays_made.towards(origin, target);
     }
@@ -53,7 +53,7 @@ pub(super) const ON_SURFACE: Case = Case {
 fn on_surface(height: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     // A slanted floor, 2 by 2: what is close to the eye has no special coordinates.
-    let (along, upward) = (DVec3::new(1.0, 0.02, 0.0), DVec3::new(0.0, 0.05, -1.0));
+    let (along, upward) = (dvec3(1.0, 0.02, 0.0), dvec3(0.0, 0.05, -1.0));
     let normal = along.cross(upward).normalize();
     let floor = -normal * (height * 8.0_f64.sqrt());
     sketch.plate_around(floor, along, upward);
@@ -70,18 +70,18 @@ pub(super) const AT_VERTEX: Case = Case {
 
 fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
     const SIDES: u32 = 9;
-    let tip = DVec3::new(0.0, 0.0, -distance * 2.5);
+    let tip = dvec3(0.0, 0.0, -distance * 2.5);
     let rim = |side: u32| {
         let (sine, cosine) = (std::f64::consts::TAU * f64::from(side % SIDES) / f64::from(SIDES)).sin_cos();
-        tip + DVec3::new(0.5 * cosine, 0.5 * sine, -1.0)
+        tip + dvec3(0.5 * cosine, 0.5 * sine, -1.0)
     };
     let mut sketch = Sketch::default();
     for side in 0..SIDES {
         sketch.triangle([tip, rim(side), rim(side + 1)]);
     }
     // Keeps the diagonal at about 2.5 and gives rays beside the cone something to hit.
-    sketch.plate(DVec3::new(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
-    sketch.speck(DVec3::new(0.6, 1.0, -0.5));
+    sketch.plate(dvec3(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
+    sketch.speck(dvec3(0.6, 1.0, -0.5));
     sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(12))
 }
 
@@ -97,8 +97,8 @@ fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
     const NEAR: f64 = 0.004;
     let depth = depth * NEAR;
     let mut sketch = Sketch::default();
-    sketch.plate(DVec3::new(-0.8, -0.4, -1.0) * depth, DVec3::new(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
-    sketch.plate(DVec3::new(-1.1, -1.3, -3.0), DVec3::new(1.9, 0.0, 0.1), DVec3::new(0.0, 1.7, 0.2));
+    sketch.plate(dvec3(-0.8, -0.4, -1.0) * depth, dvec3(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
+    sketch.plate(dvec3(-1.1, -1.3, -3.0), dvec3(1.9, 0.0, 0.1), dvec3(0.0, 1.7, 0.2));
     sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(CaseRays::new(13))
 }
 
@@ -117,8 +117,8 @@ fn plates_by_decade(decades: f64) -> Vec<[DVec3; 3]> {
     let plates = decades as i32 + 1;
     let width = 1.1 / f64::from(plates);
     let plate = |plate: i32| {
-        let corner = DVec3::new(-0.55 + width * f64::from(plate), -0.4, -1.0);
-        let edges = [corner, DVec3::X * (0.9 * width), DVec3::new(0.0, 0.75, 0.2)];
+        let corner = dvec3(-0.55 + width * f64::from(plate), -0.4, -1.0);
+        let edges = [corner, DVec3::X * (0.9 * width), dvec3(0.0, 0.75, 0.2)];
         edges.map(|each| each * (1e-3 * 10_f64.powi(plate)))
     };
     (0..plates).map(plate).collect()
@@ -167,7 +167,7 @@ fn secondary_depth_ratio(decades: f64) -> Result<Setup, TracerError> {
         let lifted = start + DVec3::NEG_Z * (0.05 * start.z.abs());
         if index % 4 == 0 {
             let aside = rays_made.direction();
-            rays_made.towards(lifted, lifted + DVec3::new(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
+            rays_made.towards(lifted, lifted + dvec3(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
         } else {
             rays_made.towards(lifted, target);
         }
@@ -190,19 +190,18 @@ fn plane_through_eye(height: f64) -> Result<Setup, TracerError> {
     let mut rays_made = CaseRays::new(22);
     let mut sketch = Sketch::default();
     // Not square, so that no edge between its triangles passes below the eye.
-    sketch.plate(DVec3::new(-4.0, 0.0, 3.0), DVec3::X * 9.0, DVec3::NEG_Z * 8.0);
+    sketch.plate(dvec3(-4.0, 0.0, 3.0), DVec3::X * 9.0, DVec3::NEG_Z * 8.0);
     for _ in 0..12 {
-        let centre = DVec3::new(3.0 * rays_made.signed(), 0.3 + rays_made.unit(), -1.0 + 2.5 * rays_made.signed());
-        sketch.plate_around(centre, DVec3::X * 0.25, DVec3::new(0.0, 0.1, 0.25));
+        let centre = dvec3(3.0 * rays_made.signed(), 0.3 + rays_made.unit(), -1.0 + 2.5 * rays_made.signed());
+        sketch.plate_around(centre, DVec3::X * 0.25, dvec3(0.0, 0.1, 0.25));
     }
-    let diagonal = DVec3::new(9.0, 1.4, 8.0).length();
+    let diagonal = dvec3(9.0, 1.4, 8.0).length();
     let eye = Vec3::new(0.0, (height * diagonal) as f32, 0.0);
     let stage = sketch.seen_by(Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() })?;
     for index in 0..RAYS {
-        let origin =
-            DVec3::new(3.0 * rays_made.signed(), 0.2 + 1.5 * rays_made.unit(), -1.0 + 3.0 * rays_made.signed());
+        let origin = dvec3(3.0 * rays_made.signed(), 0.2 + 1.5 * rays_made.unit(), -1.0 + 3.0 * rays_made.signed());
         let fall = if index % 4 == 0 { 0.5 } else { -1.5 };
-        let target = origin + DVec3::new(2.0 * rays_made.signed(), fall, 2.0 * rays_made.signed());
+        let target = origin + dvec3(2.0 * rays_made.signed(), fall, 2.0 * rays_made.signed());
         rays_made.towards(origin, target);
     }
     Ok(stage.with(rays_made, Query::Closest))

@@ -1,6 +1,6 @@
 //! Cases about what image-space structures are made of: pixels, cells, faces, and rays in special positions to them.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::{Query, TracerError, View, Viewpoint};
 
 use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch, Stage};
@@ -27,7 +27,7 @@ fn cube_borders(off: f64) -> Result<Setup, TracerError> {
     let stage = sketch.seen_by(camera)?;
     for index in 0..RAYS {
         let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
-        let corner = DVec3::new(sign(rays_made.signed()), sign(rays_made.signed()), sign(rays_made.signed()));
+        let corner = dvec3(sign(rays_made.signed()), sign(rays_made.signed()), sign(rays_made.signed()));
         let border = match index % 4 {
             0 => corner,
             // Anywhere on the border between two faces.
@@ -48,9 +48,9 @@ fn plates(stage_of: Camera, rays_made: &mut CaseRays, width: f64, height: f64) -
     let mut sketch = Sketch::default();
     for _ in 0..24 {
         let depth = 2.0 + 3.0 * rays_made.unit();
-        let centre = DVec3::new(rays_made.signed() * width, rays_made.signed() * height, -1.0) * depth;
+        let centre = dvec3(rays_made.signed() * width, rays_made.signed() * height, -1.0) * depth;
         let (along, upward) =
-            (DVec3::new(0.18 * width, 0.02 * height, 0.05), DVec3::new(-0.02 * width, 0.18 * height, 0.04 * height));
+            (dvec3(0.18 * width, 0.02 * height, 0.05), dvec3(-0.02 * width, 0.18 * height, 0.04 * height));
         sketch.plate_around(centre, along * depth, upward * depth);
     }
     sketch.seen_by(stage_of)
@@ -72,7 +72,7 @@ fn coarse_frame(edge: f64) -> Result<Setup, TracerError> {
     let mut rays_made = CaseRays::new(16);
     let stage = plates(Camera { frame: [edge, edge], face: edge, ..Camera::default() }, &mut rays_made, 0.5, 0.5)?;
     for _ in 0..RAYS {
-        let target = DVec3::new(0.55 * rays_made.signed(), 0.55 * rays_made.signed(), -1.0);
+        let target = dvec3(0.55 * rays_made.signed(), 0.55 * rays_made.signed(), -1.0);
         rays_made.towards(DVec3::ZERO, target);
     }
     Ok(stage.with(rays_made, Query::Closest))
@@ -116,15 +116,15 @@ pub(super) const SURFACE_STARTS: Case = Case {
 
 fn surface_starts(lift: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
-    sketch.plate(DVec3::new(-2.0, -1.0, -1.0), DVec3::X * 4.0, DVec3::NEG_Z * 4.0);
-    sketch.plate(DVec3::new(-2.0, -1.0, -5.0), DVec3::X * 4.0, DVec3::Y * 2.5);
+    sketch.plate(dvec3(-2.0, -1.0, -1.0), DVec3::X * 4.0, DVec3::NEG_Z * 4.0);
+    sketch.plate(dvec3(-2.0, -1.0, -5.0), DVec3::X * 4.0, DVec3::Y * 2.5);
     let stage = sketch.seen_by(Camera::default())?;
     let lift = lift * stage.geometry.diagonal();
     let mut rays_made = CaseRays::new(18);
     for _ in 0..RAYS {
-        let origin = DVec3::new(1.2 * rays_made.signed(), -1.0 + lift, -3.5 + rays_made.signed());
+        let origin = dvec3(1.2 * rays_made.signed(), -1.0 + lift, -3.5 + rays_made.signed());
         let direction = rays_made.direction();
-        rays_made.towards(origin, origin + DVec3::new(direction.x, direction.y.abs(), direction.z));
+        rays_made.towards(origin, origin + dvec3(direction.x, direction.y.abs(), direction.z));
     }
     Ok(stage.with(rays_made, Query::Closest))
 }
@@ -146,7 +146,7 @@ fn cell_borders(off: f64) -> Result<Setup, TracerError> {
     let mut rays_made = CaseRays::new(19);
     let mut sketch = Sketch::default();
     // A wall square to the view that fills half of it.
-    sketch.plate(DVec3::new(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
+    sketch.plate(dvec3(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
     let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
         // A line of the image: pixel border and how far off it.
@@ -156,8 +156,7 @@ fn cell_borders(off: f64) -> Result<Setup, TracerError> {
         let along = 0.45 * rays_made.signed();
         let start = 1.0 + 2.5 * rays_made.unit();
         let end = along + 0.3 * rays_made.signed();
-        let on =
-            |along: f64| if index % 2 == 0 { DVec3::new(line, along, -1.0) } else { DVec3::new(along, line, -1.0) };
+        let on = |along: f64| if index % 2 == 0 { dvec3(line, along, -1.0) } else { dvec3(along, line, -1.0) };
         rays_made.towards(on(along) * start, on(end) * 4.0);
     }
     Ok(stage.with(rays_made, Query::Closest))
@@ -185,7 +184,7 @@ fn forward_face(viewpoint: &Viewpoint) -> View {
 fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {
     let mut rays_made = CaseRays::new(21);
     let mut sketch = Sketch::default();
-    sketch.plate(DVec3::new(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
+    sketch.plate(dvec3(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
     let stage = sketch.seen_by(Camera { near: Some(0.05), ..Camera::default() })?;
     let face = forward_face(&stage.viewpoint);
     let pixel = 2.0 * face.tan_half_width / f64::from(face.size[0]);
@@ -196,8 +195,7 @@ fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {
         let along = 0.4 * rays_made.signed();
         let start = 1.0 + 2.5 * rays_made.unit();
         let end = along + 0.3 * rays_made.signed();
-        let on =
-            |along: f64| if index % 2 == 0 { DVec3::new(line, along, -1.0) } else { DVec3::new(along, line, -1.0) };
+        let on = |along: f64| if index % 2 == 0 { dvec3(line, along, -1.0) } else { dvec3(along, line, -1.0) };
         rays_made.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
     }
     Ok(stage.with(rays_made, Query::Closest))
@@ -226,7 +224,7 @@ fn view_centre(distance: f64) -> Result<Setup, TracerError> {
     let distance = distance * stage.geometry.diagonal();
     for _ in 0..RAYS {
         // From behind the eye, so that every ray goes on into the view.
-        let forward = DVec3::new(0.45 * rays_made.signed(), 0.45 * rays_made.signed(), -1.0);
+        let forward = dvec3(0.45 * rays_made.signed(), 0.45 * rays_made.signed(), -1.0);
         let aside = forward.any_orthonormal_vector() * distance;
         let origin = aside - forward * (0.2 + 0.8 * rays_made.unit());
         rays_made.towards(origin, aside + forward);

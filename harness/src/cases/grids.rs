@@ -1,6 +1,6 @@
 //! Cases about what uniform grids over a scene are made of: voxels, as many along every axis.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3, dvec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, RAYS, Sketch};
@@ -39,7 +39,7 @@ fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
     for index in 0..RAYS {
         // In view, before the wall that is seen.
         let mut at =
-            |depth: f64| stage.view.eye + depth * DVec3::new(0.4 * rays_made.signed(), 0.4 * rays_made.signed(), -1.0);
+            |depth: f64| stage.view.eye + depth * dvec3(0.4 * rays_made.signed(), 0.4 * rays_made.signed(), -1.0);
         let start = at(0.05 + 0.1 * (index % 7) as f64 / 7.0);
         // A quarter ends in the room; the others end at lamps outside.
         let target = if index % 4 == 0 { at(0.2) } else { at(1.0) };
@@ -65,7 +65,7 @@ fn long_scene(length: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     let mut rays_made = CaseRays::new(29);
     // The passage is 1 by 1 and begins before the eye, which near does not cut.
-    let (low, high) = (DVec3::new(-0.5, -0.5, -0.5 - length), DVec3::new(0.5, 0.5, -0.5));
+    let (low, high) = (dvec3(-0.5, -0.5, -0.5 - length), dvec3(0.5, 0.5, -0.5));
     sketch.widen([low, high]);
     let cell = DVec3::ONE / DVec3::from(CELLS.map(f64::from));
     let slices = (length * f64::from(CELLS[2])).round() as u32;

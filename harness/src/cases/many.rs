@@ -1,6 +1,6 @@
 //! Cases about many surfaces in one place: lists, voxels, hierarchies that grow.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::{Query, TracerError};
 
 use super::grids::VOXEL_EDGE;
@@ -86,15 +86,15 @@ fn layers(layers: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     for layer in 0..layers as u32 {
         let depth = -2.0 - 2.0 * (f64::from(layer) + 0.5) / layers;
-        sketch.plate_around(DVec3::new(0.05, 0.05, depth), DVec3::new(0.8, 0.0, 0.001), DVec3::new(0.0, 0.8, 0.0));
+        sketch.plate_around(dvec3(0.05, 0.05, depth), dvec3(0.8, 0.0, 0.001), dvec3(0.0, 0.8, 0.0));
     }
     let stage = sketch.seen_by(Camera::default())?;
     let mut rays_made = CaseRays::new(23);
     rays_made.through_centres(&stage.view, RAYS / 2);
     for _ in 0..RAYS / 2 {
-        let origin = DVec3::new(0.6 * rays_made.signed(), 0.6 * rays_made.signed(), -3.0 + rays_made.signed());
+        let origin = dvec3(0.6 * rays_made.signed(), 0.6 * rays_made.signed(), -3.0 + rays_made.signed());
         let direction = rays_made.direction();
-        rays_made.towards(origin, origin + DVec3::new(direction.x * 0.3, direction.y * 0.3, direction.z));
+        rays_made.towards(origin, origin + dvec3(direction.x * 0.3, direction.y * 0.3, direction.z));
     }
     Ok(stage.with(rays_made, Query::Closest))
 }
@@ -114,9 +114,9 @@ fn crowd(triangles: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     let mut rays_made = CaseRays::new(24);
     // The middle of a pixel of the default camera at depth 4, a hundredth of a voxel of a scene this wide.
-    let centre = DVec3::new(0.5, 0.5, 0.0) * (super::sketch::PIXEL * 4.0) - DVec3::Z * 4.0;
+    let centre = dvec3(0.5, 0.5, 0.0) * (super::sketch::PIXEL * 4.0) - DVec3::Z * 4.0;
     let radius = 0.4 * super::sketch::PIXEL * 4.0;
-    sketch.widen([DVec3::new(-2.0, -2.0, -6.0), DVec3::new(2.0, 2.0, -2.0)]);
+    sketch.widen([dvec3(-2.0, -2.0, -6.0), dvec3(2.0, 2.0, -2.0)]);
     // The more, the smaller: so that the cloud never becomes one solid thing.
     let size = 3.0 * radius / triangles.sqrt();
     for _ in 0..triangles as u32 {

@@ -1,7 +1,7 @@
 //! Cases about what users of screen-space effects meet most: things that float before what a ray passes, rays that come towards the
 //! camera, foregrounds beside a ray's way, ways that are long on the image.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
@@ -26,21 +26,21 @@ pub(super) const BEHIND_FOREGROUND: Case = Case {
 fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
     const HALF_WIDTH: f64 = 0.15;
     let mut sketch = Sketch::default();
-    sketch.widen([DVec3::new(-1.0, -1.0, -3.0), DVec3::new(1.0, 1.0, -1.0)]);
+    sketch.widen([dvec3(-1.0, -1.0, -3.0), dvec3(1.0, 1.0, -1.0)]);
     sketch.plate_around(DVec3::NEG_Z * FLOATING, DVec3::X * HALF_WIDTH, DVec3::Y * 0.8);
     let stage = sketch.seen_by(Camera::default())?;
     let gap = gap * stage.geometry.diagonal();
     let mut rays_made = CaseRays::new(30);
     for index in 0..RAYS {
         if index % 4 == 0 {
-            let target = DVec3::new(0.9 * HALF_WIDTH * rays_made.signed(), 0.7 * rays_made.signed(), -FLOATING);
-            let from = DVec3::new(0.5 * rays_made.signed(), 0.3 * rays_made.signed(), -1.2);
+            let target = dvec3(0.9 * HALF_WIDTH * rays_made.signed(), 0.7 * rays_made.signed(), -FLOATING);
+            let from = dvec3(0.5 * rays_made.signed(), 0.3 * rays_made.signed(), -1.2);
             rays_made.towards(from, target);
         } else {
-            let behind = DVec3::new(0.9 * HALF_WIDTH * rays_made.signed(), 0.5 * rays_made.signed(), -FLOATING - gap);
+            let behind = dvec3(0.9 * HALF_WIDTH * rays_made.signed(), 0.5 * rays_made.signed(), -FLOATING - gap);
             let side = if index % 2 == 0 { 1.0 } else { -1.0 };
             // Over the plate's half width a fifth of the gap deeper or less deep.
-            let along = DVec3::new(side, 0.2 * rays_made.signed(), 0.2 * gap / HALF_WIDTH * rays_made.signed());
+            let along = dvec3(side, 0.2 * rays_made.signed(), 0.2 * gap / HALF_WIDTH * rays_made.signed());
             rays_made.towards(behind - along * 0.8, behind);
         }
     }
@@ -61,10 +61,10 @@ pub(super) const TOWARDS_CAMERA: Case = Case {
 };
 
 fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
-    let centre = DVec3::new(0.0, 0.0, -2.5);
-    let (along, upward) = (DVec3::new(0.5, 0.0, -0.5), DVec3::Y * 0.7);
+    let centre = dvec3(0.0, 0.0, -2.5);
+    let (along, upward) = (dvec3(0.5, 0.0, -0.5), DVec3::Y * 0.7);
     let mut sketch = Sketch::default();
-    sketch.widen([DVec3::new(-1.5, -1.5, -4.5), DVec3::new(1.5, 1.5, -0.5)]);
+    sketch.widen([dvec3(-1.5, -1.5, -4.5), dvec3(1.5, 1.5, -0.5)]);
     sketch.plate_around(centre, along, upward);
     // Finer than the reference pixels that hits are judged by.
     let stage = sketch.seen_by(Camera { frame: [1024, 1024], ..Camera::default() })?;
@@ -105,14 +105,14 @@ pub(super) const FOREGROUND_IN_CELL: Case = Case {
 fn foreground_in_cell(pixels: f64) -> Result<Setup, TracerError> {
     let column = |at: f64| (at - 128.0) * PIXEL;
     let mut sketch = Sketch::default();
-    sketch.plate(DVec3::new(column(POST_BORDER - 28.0), -0.45, -1.0), DVec3::X * (28.0 * PIXEL), DVec3::Y * 0.9);
-    sketch.plate(DVec3::new(-2.0, -2.0, -4.0), DVec3::X * 4.0, DVec3::Y * 4.0);
+    sketch.plate(dvec3(column(POST_BORDER - 28.0), -0.45, -1.0), DVec3::X * (28.0 * PIXEL), DVec3::Y * 0.9);
+    sketch.plate(dvec3(-2.0, -2.0, -4.0), DVec3::X * 4.0, DVec3::Y * 4.0);
     let stage = sketch.seen_by(Camera::default())?;
     let mut rays_made = CaseRays::new(32);
     for index in 0..RAYS {
         let across = column(POST_BORDER + pixels + 0.9 * rays_made.unit());
         let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
-        let [low, high] = [-0.3, 0.3].map(|end| DVec3::new(across, side * (end + 0.08 * rays_made.signed()), -1.0));
+        let [low, high] = [-0.3, 0.3].map(|end| dvec3(across, side * (end + 0.08 * rays_made.signed()), -1.0));
         let [near, far] = if index % 2 == 0 { [2.2, 4.2] } else { [3.0, 3.0] };
         rays_made.towards(low * near, high * far);
     }
@@ -140,9 +140,9 @@ fn long_rays(length: f64) -> Result<Setup, TracerError> {
     let [width, height] = LONG_FRAME.map(f64::from);
     // 90 degrees across: from -1 to 1 at depth 1.
     let pixel = 2.0 / width;
-    let at = |column: f64, row: f64| DVec3::new((column - 0.5 * width) * pixel, row * pixel, -1.0);
+    let at = |column: f64, row: f64| dvec3((column - 0.5 * width) * pixel, row * pixel, -1.0);
     let mut sketch = Sketch::default();
-    sketch.widen([DVec3::new(-1.0, -0.5, -3.0), DVec3::new(2.0, 0.5, -1.0)]);
+    sketch.widen([dvec3(-1.0, -0.5, -3.0), dvec3(2.0, 0.5, -1.0)]);
     let (low, high) = (at(POST[0], -8.0) * DEPTH, at(POST[1], 8.0) * DEPTH);
     sketch.plate(low, DVec3::X * (high.x - low.x), DVec3::Y * (high.y - low.y));
     let vertical_fov = 2.0 * ((height / width) as f32).atan();

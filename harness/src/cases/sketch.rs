@@ -1,6 +1,6 @@
 //! What cases are drawn with: triangles, a camera, seeded rays.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3, dvec3};
 use tracebench_api::{Geometry, Query, Ray, TracerError, View, Viewpoint};
 
 use super::Setup;
@@ -75,9 +75,9 @@ impl Sketch {
                     let place = |step: u32| 2.0 * f64::from(step) / f64::from(cells) - 1.0;
                     let (across, upward) = (place(column) * side, place(row));
                     let on_cube = match face / 2 {
-                        0 => DVec3::new(side, across, upward),
-                        1 => DVec3::new(upward, side, across),
-                        _ => DVec3::new(across, upward, side),
+                        0 => dvec3(side, across, upward),
+                        1 => dvec3(upward, side, across),
+                        _ => dvec3(across, upward, side),
                     };
                     let point = centre + turn * on_cube.normalize() * radius;
                     self.positions.push(point.as_vec3().to_array());
@@ -182,7 +182,7 @@ impl CaseRays {
 
     /// In the cube from -1 to 1.
     pub(super) fn point(&mut self) -> DVec3 {
-        DVec3::new(self.signed(), self.signed(), self.signed())
+        dvec3(self.signed(), self.signed(), self.signed())
     }
 
     /// A unit vector.

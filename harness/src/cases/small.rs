@@ -1,6 +1,6 @@
 //! Cases about what is smaller than a pixel.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
@@ -25,8 +25,8 @@ pub(super) const WIRES: Case = Case {
 fn wires(width: f64) -> Result<Setup, TracerError> {
     const WIRES: u32 = 20;
     let width = width * PIXEL * DEPTH;
-    let slant = DVec3::new(0.3, 3.6, 0.2);
-    let foot = |wire: u32| DVec3::new(-1.7 + 3.4 * f64::from(wire) / f64::from(WIRES), -1.8, -DEPTH);
+    let slant = dvec3(0.3, 3.6, 0.2);
+    let foot = |wire: u32| dvec3(-1.7 + 3.4 * f64::from(wire) / f64::from(WIRES), -1.8, -DEPTH);
     let mut sketch = Sketch::default();
     for wire in 0..WIRES {
         sketch.plate(foot(wire), DVec3::X * width, slant);
@@ -57,7 +57,7 @@ fn leaves(edge: f64) -> Result<Setup, TracerError> {
     let mut rays_made = CaseRays::new(3);
     let mut centres = Vec::new();
     for _ in 0..300 {
-        let centre = DVec3::new(1.8 * rays_made.signed(), 1.8 * rays_made.signed(), -DEPTH + 0.5 * rays_made.signed());
+        let centre = dvec3(1.8 * rays_made.signed(), 1.8 * rays_made.signed(), -DEPTH + 0.5 * rays_made.signed());
         let (across, upward) = rays_made.direction().any_orthonormal_pair();
         let corner = |x: f64, y: f64| centre + (across * x + upward * y) * edge;
         sketch.triangle([corner(-0.5, -0.29), corner(0.5, -0.29), corner(0.0, 0.58)]);
@@ -65,7 +65,7 @@ fn leaves(edge: f64) -> Result<Setup, TracerError> {
     }
     let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
-        let random = DVec3::new(1.8 * rays_made.signed(), 1.8 * rays_made.signed(), -DEPTH);
+        let random = dvec3(1.8 * rays_made.signed(), 1.8 * rays_made.signed(), -DEPTH);
         let near_leaf = centres[index % centres.len()] + rays_made.point() * (0.1 * edge);
         rays_made.towards(DVec3::ZERO, if index % 2 == 0 { near_leaf } else { random });
     }

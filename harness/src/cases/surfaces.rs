@@ -1,6 +1,6 @@
 //! Cases about what surfaces are like.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::{Query, TracerError};
 
 use super::sketch::{Camera, CaseRays, RAYS, Sketch};
@@ -20,15 +20,15 @@ pub(super) const EDGE_ON: Case = Case {
 };
 
 fn edge_on(slant: f64) -> Result<Setup, TracerError> {
-    let centre = DVec3::new(0.0, 0.0, -4.0);
+    let centre = dvec3(0.0, 0.0, -4.0);
     let (across, along) = (90.0 - slant).to_radians().sin_cos();
-    let along = DVec3::new(across, 0.0, -along);
+    let along = dvec3(across, 0.0, -along);
     let mut sketch = Sketch::default();
     sketch.plate_around(centre, along, DVec3::Y);
     let stage = sketch.seen_by(Camera::default())?;
     let mut rays_made = CaseRays::new(1);
     for index in 0..RAYS {
-        let origin = centre + DVec3::new(-1.5, 0.5, 0.5) + 0.4 * rays_made.point();
+        let origin = centre + dvec3(-1.5, 0.5, 0.5) + 0.4 * rays_made.point();
         // A third passes above the plate.
         let height = if index % 3 == 0 { 1.2 + 0.5 * rays_made.unit() } else { 0.95 * rays_made.signed() };
         let target = centre + along * (0.95 * rays_made.signed()) + DVec3::Y * height;
@@ -62,12 +62,12 @@ fn sheets(gap: f64) -> Result<Setup, TracerError> {
     let stage = sketch.seen_by(Camera::default())?;
     let mut rays_made = CaseRays::new(4);
     for index in 0..RAYS {
-        let place = DVec3::new(rays_made.signed(), rays_made.signed(), 0.0);
+        let place = dvec3(rays_made.signed(), rays_made.signed(), 0.0);
         match index % 4 {
             // Steep enough to stay between the sheets for a few gaps only.
             0 | 1 => {
                 let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
-                let slope = DVec3::new(rays_made.signed(), rays_made.signed(), 0.0) * 0.7;
+                let slope = dvec3(rays_made.signed(), rays_made.signed(), 0.0) * 0.7;
                 let origin = place * 0.6 + DVec3::Z * (-1.0 - 0.5 * gap);
                 rays_made.towards(origin, origin + slope + DVec3::Z * side);
             }
@@ -88,7 +88,7 @@ pub(super) const OPEN_MESH: Case = Case {
     }),
 };
 
-const SPHERE: DVec3 = DVec3::new(0.0, 0.0, -2.6);
+const SPHERE: DVec3 = dvec3(0.0, 0.0, -2.6);
 
 fn open_mesh(missing: f64) -> Result<Setup, TracerError> {
     let mut rays_made = CaseRays::new(6);
@@ -109,17 +109,12 @@ pub(super) const HUGE: Case = Case {
 
 fn huge(edge: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
-    let floor = DVec3::new(0.013, -1.0, -0.027);
-    sketch.triangle([
-        floor + DVec3::new(-edge, 0.0, edge),
-        floor + DVec3::new(edge, 0.0, edge),
-        floor + DVec3::new(0.0, 0.0, -edge),
-    ]);
+    let floor = dvec3(0.013, -1.0, -0.027);
+    sketch.triangle([floor + dvec3(-edge, 0.0, edge), floor + dvec3(edge, 0.0, edge), floor + dvec3(0.0, 0.0, -edge)]);
     let mut rays_made = CaseRays::new(7);
     for _ in 0..40 {
-        let base = DVec3::new(3.0 * rays_made.signed(), -1.0, -3.0 + 2.0 * rays_made.signed());
-        let corners =
-            [DVec3::new(-0.2, 0.0, -0.15), DVec3::new(0.2, 0.0, -0.1), DVec3::new(0.0, 0.0, 0.2)].map(|x| base + x);
+        let base = dvec3(3.0 * rays_made.signed(), -1.0, -3.0 + 2.0 * rays_made.signed());
+        let corners = [dvec3(-0.2, 0.0, -0.15), dvec3(0.2, 0.0, -0.1), dvec3(0.0, 0.0, 0.2)].map(|x| base + x);
         let apex = base + DVec3::Y * 0.3;
         for side in 0..3 {
             sketch.triangle([corners[side], corners[(side + 1) % 3], apex]);
@@ -140,9 +135,9 @@ pub(super) const NEEDLES: Case = Case {
 };
 
 fn needles(length: f64) -> Result<Setup, TracerError> {
-    let corner = DVec3::new(-1.05, -0.95, -4.0);
+    let corner = dvec3(-1.05, -0.95, -4.0);
     // Tilted, and turned so that no edge lies along an axis.
-    let (along, upward) = (DVec3::new(2.0, 0.11, 0.1), DVec3::new(-0.13, 2.0, 0.3));
+    let (along, upward) = (dvec3(2.0, 0.11, 0.1), dvec3(-0.13, 2.0, 0.3));
     let count = length as u32;
     let mut sketch = Sketch::default();
     for strip in 0..count {
@@ -182,7 +177,7 @@ pub(super) const COPLANAR: Case = Case {
 fn coplanar(copies: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     for _ in 0..copies as u32 {
-        sketch.plate_around(DVec3::new(0.1, 0.1, -3.0), DVec3::new(1.2, 0.0, 0.3), DVec3::new(0.1, 1.2, -0.2));
+        sketch.plate_around(dvec3(0.1, 0.1, -3.0), dvec3(1.2, 0.0, 0.3), dvec3(0.1, 1.2, -0.2));
     }
     sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(9))
 }
@@ -203,7 +198,7 @@ fn flat_tile(relief: f64) -> Result<Setup, TracerError> {
     for cell in 0..64 {
         let (column, row) = (f64::from(cell % 8), f64::from(cell / 8));
         let depth = -3.0 + relief * 3.4 * rays_made.signed();
-        sketch.plate(DVec3::new(-1.2 + 0.3 * column, -1.2 + 0.3 * row, depth), DVec3::X * 0.3, DVec3::Y * 0.3);
+        sketch.plate(dvec3(-1.2 + 0.3 * column, -1.2 + 0.3 * row, depth), DVec3::X * 0.3, DVec3::Y * 0.3);
     }
     sketch.seen_by(Camera::default())?.through_centres(rays_made)
 }

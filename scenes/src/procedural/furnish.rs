@@ -1,6 +1,6 @@
 //! Closed parts that furnish scenes, all seen from outside: mitred borders, hanging cloth, wheels.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::Detail;
 use super::builder::{Ends, MaterialId, MeshBuilder};
@@ -19,17 +19,17 @@ pub(super) fn border(
 ) {
     let [side, width, height] = divisions;
     let section = outline(
-        &[DVec2::new(0.0, top), DVec2::new(1.0, top), DVec2::new(1.0, bottom), DVec2::new(0.0, bottom)],
+        &[dvec2(0.0, top), dvec2(1.0, top), dvec2(1.0, bottom), dvec2(0.0, bottom)],
         &[width, height, width, height],
     );
     builder.rings(material, 4 * side, section.len(), &Ends::Looped, |ring, at| {
         let corner = |number: usize| {
             let half = inner + (outer - inner) * section[at].x;
-            [half, DVec2::new(half.x, -half.y), -half, DVec2::new(-half.x, half.y)][number % 4]
+            [half, dvec2(half.x, -half.y), -half, dvec2(-half.x, half.y)][number % 4]
         };
         let (from, to) = (corner(ring / side), corner(ring / side + 1));
         let flat = from + (to - from) * ((ring % side) as f64 / side as f64);
-        DVec3::new(flat.x, section[at].y, flat.y)
+        dvec3(flat.x, section[at].y, flat.y)
     });
 }
 
@@ -56,8 +56,8 @@ pub(super) fn drape(builder: &mut MeshBuilder, material: MaterialId, [half, rows
         let fold = sin(TURN * folds * along + phase) + 0.3 * sin(TURN * 2.3 * folds * along + 2.0 * phase);
         // Front and back meet at the tips.
         let thick = 0.0045 * libm::sqrt((4.0 * along * (1.0 - along)).max(0.0)) * face;
-        let flat = DVec3::new((along - 0.5) * width, 0.0, depth * fold + thick) * size;
-        DVec3::new(0.1 * depth * sin(2.5 * up + phase), mix(bottom, top, up), 0.0) + flat
+        let flat = dvec3((along - 0.5) * width, 0.0, depth * fold + thick) * size;
+        dvec3(0.1 * depth * sin(2.5 * up + phase), mix(bottom, top, up), 0.0) + flat
     });
 }
 
@@ -78,7 +78,7 @@ pub(super) fn wheel(
     revolve(builder, hub, detail.around(16), &profile);
     for spoke in 0..spokes {
         let angle = TURN * spoke as f64 / spokes as f64;
-        let out = DVec3::new(cos(angle), 0.0, sin(angle));
+        let out = dvec3(cos(angle), 0.0, sin(angle));
         let ends = [out * (0.12 * radius), out * (radius - thick)];
         rod(builder, rim, detail.tube(8, 4), ends, thick * 0.5);
     }

@@ -1,6 +1,6 @@
 //! Portable mathematics for procedural scenes.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 /// A full turn in radians.
 pub(super) const TURN: f64 = std::f64::consts::TAU;
@@ -64,7 +64,7 @@ pub(super) fn curve(points: &[DVec3], t: f64) -> DVec3 {
             points.iter().enumerate().map(|(number, point)| (number as f64 * step, point[axis])).collect();
         spline(&knots, t)
     };
-    DVec3::new(axis(0), axis(1), axis(2))
+    dvec3(axis(0), axis(1), axis(2))
 }
 
 /// A frame in space: points given in it are rotated, then moved.
@@ -107,7 +107,7 @@ impl Frame {
     /// Moved to `from`, with the y axis towards `to` and the x axis on the side of `side`, all given in this frame.
     pub(super) fn span(self, from: DVec3, to: DVec3, side: DVec3) -> Self {
         let y = (to - from).normalize_or(DVec3::Y);
-        let fallback = y.cross(DVec3::new(0.6, 0.0, 0.8)).normalize_or(DVec3::X);
+        let fallback = y.cross(dvec3(0.6, 0.0, 0.8)).normalize_or(DVec3::X);
         let x = (side - y * side.dot(y)).normalize_or(fallback);
         let turn = |local: DVec3| self.place(local) - self.origin;
         Self { origin: self.place(from), axes: [turn(x), turn(y), turn(x.cross(y))] }
@@ -162,8 +162,8 @@ mod tests {
     /// Proves that frames rotate without scaling or mirroring.
     #[test]
     fn frames_are_rigid() {
-        let frame = Frame::at(DVec3::new(1.0, 2.0, 3.0)).yaw(0.7).roll(-0.4).pitch(0.9);
-        let frame = frame.span(DVec3::X, DVec3::new(2.0, -1.0, 0.5), DVec3::Z);
+        let frame = Frame::at(dvec3(1.0, 2.0, 3.0)).yaw(0.7).roll(-0.4).pitch(0.9);
+        let frame = frame.span(DVec3::X, dvec3(2.0, -1.0, 0.5), DVec3::Z);
         let [x, y, z] = frame.axes;
         assert!((x.cross(y) - z).length() < 1e-12);
         assert!((x.length() - 1.0).abs() < 1e-12);

@@ -1,6 +1,6 @@
 //! Closed parts that several scenes are built from, all seen from outside: beams, lattices, chains, barrels, crates.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::Detail;
 use super::builder::{Ends, MaterialId, MeshBuilder};
@@ -19,13 +19,7 @@ pub(super) fn beam(
     let frame = builder.frame;
     builder.frame = frame.span(from, to, side);
     let length = (to - from).length();
-    cuboid(
-        builder,
-        material,
-        DVec3::new(-half[0], 0.0, -half[1]),
-        DVec3::new(half[0], length, half[1]),
-        [across, along, across],
-    );
+    cuboid(builder, material, dvec3(-half[0], 0.0, -half[1]), dvec3(half[0], length, half[1]), [across, along, across]);
     builder.frame = frame;
 }
 
@@ -58,7 +52,7 @@ pub(super) fn girder(
     let frame = builder.frame;
     builder.frame = frame.span(from, to, DVec3::Y);
     let length = (to - from).length();
-    let corner = |x: f64, z: f64| [DVec3::new(x * half, 0.0, z * half), DVec3::new(x * half, length, z * half)];
+    let corner = |x: f64, z: f64| [dvec3(x * half, 0.0, z * half), dvec3(x * half, length, z * half)];
     let around = [corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0), corner(-1.0, 1.0)];
     for at in 0..4 {
         rod(builder, material, [divisions[0], divisions[1] * 2], around[at], half * 0.13);
@@ -93,10 +87,10 @@ pub(super) fn chain(
     let frame = builder.frame;
     for link in 0..links {
         let [start, end] = [link, link + 1].map(|at| path(at as f64 / links as f64));
-        let side = if link % 2 == 0 { DVec3::new(0.7, 0.0, 0.3) } else { DVec3::new(-0.3, 0.0, 0.7) };
+        let side = if link % 2 == 0 { dvec3(0.7, 0.0, 0.3) } else { dvec3(-0.3, 0.0, 0.7) };
         builder.frame = frame.span(start, end, side);
         let half = (end - start).length() / 2.0;
-        let oval = |t: f64| DVec3::new(2.6 * wire * cos(TURN * t), half + (half + wire) * sin(TURN * t), 0.0);
+        let oval = |t: f64| dvec3(2.6 * wire * cos(TURN * t), half + (half + wire) * sin(TURN * t), 0.0);
         loop_tube(builder, material, divisions, oval, wire);
     }
     builder.frame = frame;
@@ -129,10 +123,10 @@ pub(super) fn barrel(
         let (low, high) = (up - 0.025, up + 0.025);
         let band = outline(
             &[
-                DVec2::new(at(low) - 0.03 * radius, low * height),
-                DVec2::new(at(low) + 0.02 * radius, low * height),
-                DVec2::new(at(high) + 0.02 * radius, high * height),
-                DVec2::new(at(high) - 0.03 * radius, high * height),
+                dvec2(at(low) - 0.03 * radius, low * height),
+                dvec2(at(low) + 0.02 * radius, low * height),
+                dvec2(at(high) + 0.02 * radius, high * height),
+                dvec2(at(high) - 0.03 * radius, high * height),
             ],
             &[detail.along(1)],
         );
@@ -145,7 +139,7 @@ pub(super) fn hoop(builder: &mut MeshBuilder, material: MaterialId, around: usiz
     builder.rings(material, around, section.len(), &Ends::Looped, |ring, at| {
         let angle = TURN * ring as f64 / around as f64;
         let DVec2 { x: radius, y } = section[section.len() - 1 - at];
-        DVec3::new(radius * cos(angle), y, -radius * sin(angle))
+        dvec3(radius * cos(angle), y, -radius * sin(angle))
     });
 }
 
@@ -174,17 +168,17 @@ pub(super) fn plank_crate(builder: &mut MeshBuilder, [core, board]: [MaterialId;
     let thick = 0.03 * size.y;
     let wide = 0.07 * size.y;
     let [fine, along] = detail.sides([1, 2]);
-    let inset = DVec3::new(thick, 0.0, thick);
+    let inset = dvec3(thick, 0.0, thick);
     cuboid(
         builder,
         core,
-        DVec3::new(-half.x, 0.002, -half.z) + inset,
-        DVec3::new(half.x, size.y - thick, half.z) - inset,
+        dvec3(-half.x, 0.002, -half.z) + inset,
+        dvec3(half.x, size.y - thick, half.z) - inset,
         [along, along, along],
     );
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-        let middle = DVec3::new(x * (half.x - wide), 0.0, z * (half.z - wide));
-        let reach = DVec3::new(wide, 0.0, wide);
+        let middle = dvec3(x * (half.x - wide), 0.0, z * (half.z - wide));
+        let reach = dvec3(wide, 0.0, wide);
         cuboid(builder, board, middle - reach, middle + reach + DVec3::Y * size.y, [fine, along, fine]);
     }
     // The oblique boards are thinner, so that their faces do not lie in those of the others.
@@ -196,12 +190,12 @@ pub(super) fn plank_crate(builder: &mut MeshBuilder, [core, board]: [MaterialId;
             (size.y - wide, size.y - wide, 0.5 * thick),
             (size.y / 2.0 - lean, size.y / 2.0 + lean, 0.42 * thick),
         ] {
-            let ends = [DVec3::new(-half.x + wide, low, z), DVec3::new(half.x - wide, high, z)];
+            let ends = [dvec3(-half.x + wide, low, z), dvec3(half.x - wide, high, z)];
             beam(builder, board, [fine, along], ends, [0.6 * wide, deep], DVec3::Y);
         }
         let x = face * (half.x - 0.6 * thick);
         let (low, high) = (size.y / 2.0 - lean, size.y / 2.0 + lean);
-        let ends = [DVec3::new(x, high, -half.z + wide), DVec3::new(x, low, half.z - wide)];
+        let ends = [dvec3(x, high, -half.z + wide), dvec3(x, low, half.z - wide)];
         beam(builder, board, [fine, along], ends, [0.6 * wide, 0.45 * thick], DVec3::Y);
     }
 }

@@ -1,6 +1,6 @@
 //! Closed shapes that scenes are furnished with, all seen from outside.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::builder::{Ends, MaterialId, MeshBuilder};
 use super::math::{TURN, cos, curve, mix, sin};
@@ -47,17 +47,17 @@ pub(super) fn revolve(builder: &mut MeshBuilder, material: MaterialId, around: u
     builder.rings(material, rings.len(), around, &Ends::Closed(first.y * DVec3::Y, last.y * DVec3::Y), |ring, at| {
         let angle = TURN * at as f64 / around as f64;
         let DVec2 { x: radius, y } = rings[ring];
-        DVec3::new(radius * cos(angle), y, -radius * sin(angle))
+        dvec3(radius * cos(angle), y, -radius * sin(angle))
     });
 }
 
 /// `count + 1` points of a smooth profile through `knots`; between the ends it keeps off the axis.
 pub(super) fn smooth_profile(knots: &[[f64; 2]], count: usize) -> Vec<DVec2> {
-    let points: Vec<DVec3> = knots.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect();
+    let points: Vec<DVec3> = knots.iter().map(|&[x, y]| dvec3(x, y, 0.0)).collect();
     (0..=count)
         .map(|at| {
             let point = curve(&points, at as f64 / count as f64).truncate();
-            if at == 0 || at == count { point } else { DVec2::new(point.x.max(5e-4), point.y) }
+            if at == 0 || at == count { point } else { dvec2(point.x.max(5e-4), point.y) }
         })
         .collect()
 }
@@ -99,7 +99,7 @@ pub(super) fn ellipsoid(builder: &mut MeshBuilder, material: MaterialId, center:
     let ends = Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y);
     builder.rings(material, rows - 1, around, &ends, |ring, at| {
         let (up, angle) = (TURN / 2.0 * (ring + 1) as f64 / rows as f64, TURN * at as f64 / around as f64);
-        center + half * DVec3::new(sin(up) * cos(angle), -cos(up), -sin(up) * sin(angle))
+        center + half * dvec3(sin(up) * cos(angle), -cos(up), -sin(up) * sin(angle))
     });
 }
 
@@ -109,7 +109,7 @@ fn half_circle(radius: f64, around: usize) -> Vec<DVec2> {
     (0..=rows)
         .map(|row| {
             let angle = TURN / 2.0 * row as f64 / rows as f64;
-            DVec2::new(radius * sin(angle), -radius * cos(angle))
+            dvec2(radius * sin(angle), -radius * cos(angle))
         })
         .collect()
 }
@@ -200,14 +200,14 @@ pub(super) fn torus(
     center: DVec3,
     [large, small]: [f64; 2],
 ) {
-    let path = |t: f64| center + DVec3::new(large * cos(TURN * t), 0.0, -large * sin(TURN * t));
+    let path = |t: f64| center + dvec3(large * cos(TURN * t), 0.0, -large * sin(TURN * t));
     loop_tube(builder, material, divisions, path, small);
 }
 
 /// Two directions square to the path and to each other at each point, carried along it with as little turning as can be.
 fn carry(points: &[DVec3], looped: bool, side: Option<DVec3>) -> Vec<(DVec3, DVec3)> {
     let count = points.len();
-    let mut across = side.unwrap_or(DVec3::new(0.36, 0.48, 0.8));
+    let mut across = side.unwrap_or(dvec3(0.36, 0.48, 0.8));
     let mut frames = Vec::with_capacity(count);
     for at in 0..count {
         let (before, after) = if looped {
@@ -216,7 +216,7 @@ fn carry(points: &[DVec3], looped: bool, side: Option<DVec3>) -> Vec<(DVec3, DVe
             (points[at.saturating_sub(1)], points[(at + 1).min(count - 1)])
         };
         let tangent = (after - before).normalize_or(DVec3::Y);
-        let fallback = tangent.cross(DVec3::new(0.6, 0.0, 0.8)).normalize_or(DVec3::X);
+        let fallback = tangent.cross(dvec3(0.6, 0.0, 0.8)).normalize_or(DVec3::X);
         across = (across - tangent * across.dot(tangent)).normalize_or(fallback);
         frames.push((across, tangent.cross(across)));
     }
@@ -235,7 +235,7 @@ pub(super) fn slab(
     let bend = half.y.min(half.x).min(half.z);
     let outline = |angle: f64, inset: f64| {
         let power = |x: f64| libm::copysign(libm::pow(x.abs(), 2.0 / square), x);
-        DVec2::new((half.x - inset) * power(cos(angle)), -(half.z - inset) * power(sin(angle)))
+        dvec2((half.x - inset) * power(cos(angle)), -(half.z - inset) * power(sin(angle)))
     };
     builder.rings(
         material,
@@ -245,7 +245,7 @@ pub(super) fn slab(
         |ring, at| {
             let bow = TURN / 2.0 * (ring as f64 / edge as f64 - 0.5);
             let flat = outline(TURN * at as f64 / around as f64, bend * (1.0 - cos(bow)));
-            center + DVec3::new(flat.x, half.y * sin(bow), flat.y)
+            center + dvec3(flat.x, half.y * sin(bow), flat.y)
         },
     );
 }

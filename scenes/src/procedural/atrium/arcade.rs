@@ -1,6 +1,6 @@
 //! The colonnades: fluted columns with bases and capitals, piers and arches above them, balustrades upstairs.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{FLOORS, Palette, SUNK, Side};
 use crate::procedural::Detail;
@@ -50,7 +50,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &Storey) {
     let r = storey.radius;
     let fine = detail.sides([2, 2, 2]);
-    let square = |half: f64, y: f64| DVec3::new(half, y, half);
+    let square = |half: f64, y: f64| dvec3(half, y, half);
     cuboid(builder, palette.stone, square(-1.55 * r, -SUNK), square(1.55 * r, 0.16), fine);
     let base = smooth_profile(
         &[
@@ -75,7 +75,7 @@ fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: 
         // The shaft swells a little and narrows towards the top.
         let body = r * (1.0 + 0.03 * sin(TURN / 2.0 * up) - 0.16 * up);
         let flute = 1.0 - 0.07 * (0.5 + 0.5 * cos(12.0 * angle));
-        DVec3::new(body * flute * cos(angle), mix(bottom, top, up), -body * flute * sin(angle))
+        dvec3(body * flute * cos(angle), mix(bottom, top, up), -body * flute * sin(angle))
     });
     let y = storey.column;
     let capital = smooth_profile(
@@ -95,12 +95,12 @@ fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: 
     revolve(builder, palette.marble, detail.around(18), &capital);
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
         // A volute at each corner.
-        let at = DVec3::new(x * 1.12 * r, y - 0.12, z * 1.12 * r);
+        let at = dvec3(x * 1.12 * r, y - 0.12, z * 1.12 * r);
         ball(builder, palette.marble, at, 0.3 * r, detail.around(8));
     }
     cuboid(builder, palette.stone, square(-1.5 * r, y - 0.06), square(1.5 * r, y + 0.05), fine);
     let pier = square(1.05 * r, storey.top + 0.015);
-    cuboid(builder, palette.stone, DVec3::new(-pier.x, y, -pier.z), pier, [fine[0], detail.along(6), fine[2]]);
+    cuboid(builder, palette.stone, dvec3(-pier.x, y, -pier.z), pier, [fine[0], detail.along(6), fine[2]]);
 }
 
 /// The wall above an arch, from its curve to a level top, and a moulding along the curve; x = 0 is its middle.
@@ -111,7 +111,7 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
     let foot = storey.column + if half > 1.6 { 0.027 } else { 0.02 };
     let curve = |t: f64, out: f64| {
         let angle = TURN / 2.0 * t;
-        DVec2::new(-(reach + out) * cos(angle), foot + (storey.rise + out) * sin(angle))
+        dvec2(-(reach + out) * cos(angle), foot + (storey.rise + out) * sin(angle))
     };
     let shares = steps(0.0, 1.0, along);
     // From the curve (x = 0) to the top (x = 1), and from back to front.
@@ -119,9 +119,9 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
         outline(&[[0.0, -0.17], [1.0, -0.17], [1.0, 0.17], [0.0, 0.17]].map(DVec2::from_array), &detail.sides([4, 2]));
     let point = |t: f64, at: DVec2| {
         let low = curve(t, 0.0);
-        DVec3::new(low.x, mix(low.y, storey.top, at.x), at.y)
+        dvec3(low.x, mix(low.y, storey.top, at.x), at.y)
     };
-    let middle = DVec2::new(0.5, 0.0);
+    let middle = dvec2(0.5, 0.0);
     let ends = Ends::Closed(point(0.0, middle), point(1.0, middle));
     builder.rings(palette.wall, along + 1, wall.len(), &ends, |ring, at| point(shares[ring], wall[at]));
     let moulding = outline(
@@ -129,7 +129,7 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
         &detail.sides([1, 2]),
     );
     let point = |t: f64, at: DVec2| curve(t, at.x).extend(at.y);
-    let ends = Ends::Closed(point(0.0, DVec2::new(0.05, 0.0)), point(1.0, DVec2::new(0.05, 0.0)));
+    let ends = Ends::Closed(point(0.0, dvec2(0.05, 0.0)), point(1.0, dvec2(0.05, 0.0)));
     builder.rings(palette.stone, along + 1, moulding.len(), &ends, |ring, at| point(shares[ring], moulding[at]));
 }
 
@@ -139,8 +139,8 @@ fn balustrade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, half
     let reach = half - 0.15;
     let divisions = detail.sides([12, 1, 2]);
     let bar = |builder: &mut MeshBuilder, [y0, y1]: [f64; 2], deep: f64| {
-        let min = DVec3::new(-reach, y0, -deep);
-        cuboid(builder, palette.stone, min, DVec3::new(reach, y1, deep), divisions);
+        let min = dvec3(-reach, y0, -deep);
+        cuboid(builder, palette.stone, min, dvec3(reach, y1, deep), divisions);
     };
     bar(builder, [-0.5 * SUNK, 0.12], 0.12);
     bar(builder, [0.92, 1.04], 0.13);

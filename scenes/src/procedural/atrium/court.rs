@@ -1,6 +1,6 @@
 //! What stands and hangs in the court: a fountain, drapes, potted plants, bronze vases, lanterns on chains, benches.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{COURT, FLOORS, Palette, SUNK, Side};
 use crate::procedural::Detail;
@@ -19,16 +19,16 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
             let key = number * 10 + bay;
             if key % 2 == 1 {
                 builder.object(format!("drape {number}.{bay}"));
-                builder.frame = side.frame.shift(DVec3::new(middle, 0.0, 0.05));
+                builder.frame = side.frame.shift(dvec3(middle, 0.0, 0.05));
                 hang(builder, palette, detail, key, [4.35, 0.9], 1.5);
             }
             if bay % 3 == 1 {
                 builder.object(format!("banner {number}.{bay}"));
-                builder.frame = side.frame.shift(DVec3::new(middle, FLOORS[1], -0.62));
+                builder.frame = side.frame.shift(dvec3(middle, FLOORS[1], -0.62));
                 hang(builder, palette, detail, key + 1, [0.9, -1.3], 1.1);
             } else {
                 builder.object(format!("lantern {number}.{bay}"));
-                builder.frame = side.frame.shift(DVec3::new(middle, 0.0, 1.9));
+                builder.frame = side.frame.shift(dvec3(middle, 0.0, 1.9));
                 lantern(builder, palette, detail, FLOORS[1] - 0.44);
             }
         }
@@ -38,7 +38,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         [(-7.6, -3.6), (7.6, -3.6), (7.6, 3.6), (-7.6, 3.6), (0.0, 3.9), (0.0, -3.9)].into_iter().enumerate()
     {
         builder.object(format!("plant {number}"));
-        builder.frame = Frame::at(DVec3::new(x, 0.0, z)).yaw(random.between(0.0, TURN));
+        builder.frame = Frame::at(dvec3(x, 0.0, z)).yaw(random.between(0.0, TURN));
         plant(builder, palette, detail, &mut random);
     }
     let [x, z] = COURT.map(|half| half + 3.0);
@@ -46,14 +46,14 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         [(-x, -z), (x, -z), (x, z), (-x, z), (-4.5, z), (1.5, z), (-1.5, -z), (4.5, -z)].into_iter().enumerate()
     {
         builder.object(format!("vase {number}"));
-        builder.frame = Frame::at(DVec3::new(x, 0.0, z));
+        builder.frame = Frame::at(dvec3(x, 0.0, z));
         vase(builder, palette, detail);
     }
     for (number, (x, z, turn)) in
         [(-4.6, 3.4, 0.05), (4.6, 3.4, -0.04), (-4.6, -3.4, 0.03), (4.6, -3.4, 0.0)].into_iter().enumerate()
     {
         builder.object(format!("bench {number}"));
-        builder.frame = Frame::at(DVec3::new(x, -SUNK, z)).yaw(turn);
+        builder.frame = Frame::at(dvec3(x, -SUNK, z)).yaw(turn);
         bench(builder, palette, detail);
     }
     builder.frame = Frame::WORLD;
@@ -115,7 +115,7 @@ fn fountain(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     }
     for jet in 0..8 {
         let angle = TURN * f64::from(jet) / 8.0;
-        let out = DVec3::new(cos(angle), 0.0, sin(angle));
+        let out = dvec3(cos(angle), 0.0, sin(angle));
         let path = |t: f64| out * mix(0.7, 1.35, t) + DVec3::Y * (1.2 + 0.55 * t - 1.35 * t * t);
         tube(builder, palette.water, detail.bend(8, [16, 4]), path, |t| mix(0.02, 0.012, t));
     }
@@ -126,7 +126,7 @@ fn hang(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, key: usize
     let cloth = Drape { width, top, bottom, folds: 4.0, depth: 0.05, phase: 0.7 * key as f64 };
     drape(builder, palette.cloth[key % 3], [detail.divide(24, 6), detail.divide(10, 2)], &cloth);
     let half = width * 0.56;
-    let ends = [DVec3::new(-half, top - 0.01, 0.0), DVec3::new(half, top - 0.01, 0.0)];
+    let ends = [dvec3(-half, top - 0.01, 0.0), dvec3(half, top - 0.01, 0.0)];
     rod(builder, palette.iron, detail.tube(8, 6), ends, 0.016);
 }
 
@@ -144,7 +144,7 @@ fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, top: f6
     revolve(builder, palette.bronze, detail.around(14), &dish);
     for bar in 0..6 {
         let angle = TURN * f64::from(bar) / 6.0;
-        let out = DVec3::new(cos(angle), 0.0, sin(angle));
+        let out = dvec3(cos(angle), 0.0, sin(angle));
         let ends = [out * 0.15 + DVec3::Y * 0.06, out * 0.18 + DVec3::Y * 0.4];
         rod(builder, palette.iron, detail.tube(6, 4), ends, 0.008);
     }
@@ -160,14 +160,14 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, random: &
     revolve(builder, palette.clay, detail.around(32), &pot);
     for leaf in 0..22 {
         let heading = TURN * (f64::from(leaf) * 0.382) + random.between(-0.1, 0.1);
-        let out = DVec3::new(cos(heading), 0.0, sin(heading));
-        let side = DVec3::new(-out.z, 0.0, out.x);
+        let out = dvec3(cos(heading), 0.0, sin(heading));
+        let side = dvec3(-out.z, 0.0, out.x);
         let (reach, tall) = (random.between(0.3, 0.95), random.between(0.9, 1.7));
         let droop = random.between(0.1, 0.4);
         let path = |t: f64| out * (0.08 + reach * t * t) + DVec3::Y * (0.5 + tall * (t - droop * t * t * t));
         ribbon(builder, palette.leaf, detail.bend(6, [10, 4]), Some(side), path, |t| {
             let body = sin(TURN / 2.0 * (0.1 + 0.88 * t));
-            DVec2::new(0.008 + 0.06 * body * body, 0.003 + 0.004 * (1.0 - t))
+            dvec2(0.008 + 0.06 * body * body, 0.003 + 0.004 * (1.0 - t))
         });
     }
 }
@@ -175,8 +175,8 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, random: &
 /// A polished bronze vase on a pedestal, with two handles.
 fn vase(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let fine = detail.sides([2, 4, 2]);
-    cuboid(builder, palette.stone, DVec3::new(-0.28, -SUNK, -0.28), DVec3::new(0.28, 0.7, 0.28), fine);
-    cuboid(builder, palette.stone, DVec3::new(-0.33, 0.66, -0.33), DVec3::new(0.33, 0.76, 0.33), fine);
+    cuboid(builder, palette.stone, dvec3(-0.28, -SUNK, -0.28), dvec3(0.28, 0.7, 0.28), fine);
+    cuboid(builder, palette.stone, dvec3(-0.33, 0.66, -0.33), dvec3(0.33, 0.76, 0.33), fine);
     let profile = smooth_profile(
         &[
             [0.0, 0.75],
@@ -200,7 +200,7 @@ fn vase(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     for face in [-1.0, 1.0] {
         let path = |t: f64| {
             let angle = TURN * mix(-0.22, 0.25, t);
-            DVec3::new(face * (0.2 + 0.14 * cos(angle)), 1.48 + 0.17 * sin(angle), 0.0)
+            dvec3(face * (0.2 + 0.14 * cos(angle)), 1.48 + 0.17 * sin(angle), 0.0)
         };
         tube(builder, palette.bronze, detail.bend(8, [18, 4]), path, |_| 0.018);
     }
@@ -209,10 +209,10 @@ fn vase(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 
 fn bench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let fine = detail.along(2);
-    let seat = DVec3::new(-0.9, 0.4, -0.22);
-    cuboid(builder, palette.marble, seat, DVec3::new(0.9, 0.48, 0.22), [detail.along(8), fine, fine]);
+    let seat = dvec3(-0.9, 0.4, -0.22);
+    cuboid(builder, palette.marble, seat, dvec3(0.9, 0.48, 0.22), [detail.along(8), fine, fine]);
     for x in [-0.65, 0.65] {
-        let min = DVec3::new(x - 0.09, 0.0, -0.17);
-        cuboid(builder, palette.stone, min, DVec3::new(x + 0.09, 0.41, 0.17), [fine, fine, fine]);
+        let min = dvec3(x - 0.09, 0.0, -0.17);
+        cuboid(builder, palette.stone, min, dvec3(x + 0.09, 0.41, 0.17), [fine, fine, fine]);
     }
 }

@@ -1,6 +1,6 @@
 //! Outer walls, ground and painted sky, seen from inside; the floors of the galleries, cornices, doors, windows.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec3, dvec2, dvec3};
 
 use super::{COURT, FLOORS, GALLERY, Palette, SKY, Side};
 use crate::procedural::Detail;
@@ -29,27 +29,27 @@ fn walls(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let ys = steps(0.0, SKY, detail.along(16));
     let solid = |_: usize, _: usize| false;
     // du x dv points inwards.
-    builder.sheet(palette.wall, &ys, &zs, |v, u| DVec3::new(-x, v, u), solid);
-    builder.sheet(palette.wall, &zs, &ys, |u, v| DVec3::new(x, v, u), solid);
-    builder.sheet(palette.wall, &xs, &ys, |u, v| DVec3::new(u, v, -z), solid);
-    builder.sheet(palette.wall, &ys, &xs, |v, u| DVec3::new(u, v, z), solid);
-    builder.sheet(palette.sky, &xs, &zs, |u, v| DVec3::new(u, SKY, v), solid);
+    builder.sheet(palette.wall, &ys, &zs, |v, u| dvec3(-x, v, u), solid);
+    builder.sheet(palette.wall, &zs, &ys, |u, v| dvec3(x, v, u), solid);
+    builder.sheet(palette.wall, &xs, &ys, |u, v| dvec3(u, v, -z), solid);
+    builder.sheet(palette.wall, &ys, &xs, |v, u| dvec3(u, v, z), solid);
+    builder.sheet(palette.sky, &xs, &zs, |u, v| dvec3(u, SKY, v), solid);
     // The court is paved in two colours.
     let paved = |row: usize, column: usize| {
         let (i, j) = (column / part, row / part);
         if (4..22).contains(&i) && (4..14).contains(&j) { Some((i + j) % 2) } else { None }
     };
     for (material, tile) in [(palette.floor, None), (palette.tile[0], Some(0)), (palette.tile[1], Some(1))] {
-        builder.sheet(material, &zs, &xs, |v, u| DVec3::new(u, 0.0, v), |row, column| paved(row, column) != tile);
+        builder.sheet(material, &zs, &xs, |v, u| dvec3(u, 0.0, v), |row, column| paved(row, column) != tile);
     }
 }
 
 /// The upper galleries' floor, the roof over them, and what stands out from their edges.
 fn slabs(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let [x, z] = COURT;
-    let inside = |by: f64| DVec2::new(x - by, z - by);
+    let inside = |by: f64| dvec2(x - by, z - by);
     // Everything reaches into the wall by another depth, so that no faces coincide there.
-    let outside = |by: f64| DVec2::new(x + GALLERY + by, z + GALLERY + by);
+    let outside = |by: f64| dvec2(x + GALLERY + by, z + GALLERY + by);
     let divisions = detail.sides([16, 8, 1]);
     border(builder, palette.floor, divisions, [inside(0.42), outside(0.3)], [FLOORS[1] - 0.45, FLOORS[1]]);
     border(builder, palette.trim, divisions, [inside(0.44), outside(0.32)], [8.7, 9.3]);
@@ -76,8 +76,8 @@ fn openings(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, side: 
         let x = side.column(bay) + side.half / side.bays as f64;
         let part =
             |builder: &mut MeshBuilder, material: MaterialId, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2], out: f64| {
-                let min = DVec3::new(x0, y0, -out);
-                cuboid(builder, material, min, DVec3::new(x1, y1, 0.05 + out), [fine, rows, fine]);
+                let min = dvec3(x0, y0, -out);
+                cuboid(builder, material, min, dvec3(x1, y1, 0.05 + out), [fine, rows, fine]);
             };
         builder.object("door");
         part(builder, palette.wood, [x - 0.62, x + 0.62], [-0.04, 2.55], 0.05);

@@ -1,6 +1,6 @@
 //! A gingerbread man who waves, and a jelly bear that walks in a circle around him.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::sticks::rounded;
 use super::{Candy, DURATION_S, height};
@@ -33,7 +33,7 @@ fn limb(candy: &mut Candy, divisions: [usize; 2], [from, to]: [DVec3; 2], size: 
         |t| from + (to - from) * t,
         |t| {
             let round = rounded(size.x, t.min(1.0 - t) * length) / size.x;
-            DVec2::new(size.x * round, size.y * (0.35 + 0.65 * round))
+            dvec2(size.x * round, size.y * (0.35 + 0.65 * round))
         },
     );
 }
@@ -48,34 +48,34 @@ fn man(candy: &mut Candy) {
     // Legs step in place.
     for (side, phase) in [(-1.0, 0.0), (1.0, TURN / 2.0)] {
         let step = sin(2.0 * beat + phase);
-        let hip = DVec3::new(0.09 * side, 0.46, 0.0) + up;
-        let foot = DVec3::new(0.16 * side, 0.04 + 0.07 * step.max(0.0), 0.1 * step);
-        limb(candy, [30, 34], [hip, foot], DVec2::new(0.095, 0.06));
+        let hip = dvec3(0.09 * side, 0.46, 0.0) + up;
+        let foot = dvec3(0.16 * side, 0.04 + 0.07 * step.max(0.0), 0.1 * step);
+        limb(candy, [30, 34], [hip, foot], dvec2(0.095, 0.06));
     }
     // One arm waves, the other swings.
     let wave = 0.75 + 0.45 * sin(4.0 * beat);
     let swing = -0.45 + 0.25 * sin(2.0 * beat);
     for (side, raised) in [(-1.0, wave), (1.0, swing)] {
-        let shoulder = DVec3::new(0.13 * side, 0.74, 0.0) + up;
-        let hand = shoulder + DVec3::new(0.4 * side * cos(raised), 0.4 * sin(raised), 0.03);
-        limb(candy, [30, 34], [shoulder, hand], DVec2::new(0.08, 0.055));
+        let shoulder = dvec3(0.13 * side, 0.74, 0.0) + up;
+        let hand = shoulder + dvec3(0.4 * side * cos(raised), 0.4 * sin(raised), 0.03);
+        limb(candy, [30, 34], [shoulder, hand], dvec2(0.08, 0.055));
     }
-    limb(candy, [40, 40], [DVec3::new(0.0, 0.33, 0.0) + up, DVec3::new(0.0, 0.88, 0.0) + up], DVec2::new(0.19, 0.066));
+    limb(candy, [40, 40], [dvec3(0.0, 0.33, 0.0) + up, dvec3(0.0, 0.88, 0.0) + up], dvec2(0.19, 0.066));
     let nod = 0.1 * sin(2.0 * beat + 0.6);
     let Candy { builder, palette, detail, .. } = candy;
     for button in 0..3 {
-        let at = DVec3::new(0.0, 0.5 + 0.11 * f64::from(button), 0.066) + up;
+        let at = dvec3(0.0, 0.5 + 0.11 * f64::from(button), 0.066) + up;
         ball(builder, palette.sweet(button as usize), at, 0.026, detail.around(16));
     }
-    builder.frame = builder.frame.shift(DVec3::new(0.0, 0.99, 0.0) + up).roll(nod);
-    ellipsoid(builder, palette.dough, DVec3::ZERO, DVec3::new(0.19, 0.185, 0.075), detail.around(48));
+    builder.frame = builder.frame.shift(dvec3(0.0, 0.99, 0.0) + up).roll(nod);
+    ellipsoid(builder, palette.dough, DVec3::ZERO, dvec3(0.19, 0.185, 0.075), detail.around(48));
     for side in [-1.0, 1.0] {
-        ball(builder, palette.white, DVec3::new(0.07 * side, 0.04, 0.066), 0.028, detail.around(16));
-        ball(builder, palette.chocolate, DVec3::new(0.07 * side, 0.04, 0.088), 0.013, detail.around(12));
+        ball(builder, palette.white, dvec3(0.07 * side, 0.04, 0.066), 0.028, detail.around(16));
+        ball(builder, palette.chocolate, dvec3(0.07 * side, 0.04, 0.088), 0.013, detail.around(12));
     }
     let smile = |t: f64| {
         let angle = TURN * (0.6 + 0.3 * t);
-        DVec3::new(0.09 * cos(angle), 0.01 + 0.09 * sin(angle), 0.072)
+        dvec3(0.09 * cos(angle), 0.01 + 0.09 * sin(angle), 0.072)
     };
     tube(builder, palette.white, detail.bend(10, [24, 4]), smile, |t| rounded(0.013, t.min(1.0 - t) * 0.17));
     builder.frame = Frame::WORLD;
@@ -90,29 +90,23 @@ fn bear(candy: &mut Candy) {
     let up = height(at[0], at[1]) + 0.012 * cos(2.0 * stride);
     let Candy { builder, palette, detail, .. } = candy;
     // The bear's face looks along its own +z.
-    let frame = Frame::at(DVec3::new(at[0], up, at[1])).yaw(turn + TURN / 2.0).roll(0.06 * sin(stride));
+    let frame = Frame::at(dvec3(at[0], up, at[1])).yaw(turn + TURN / 2.0).roll(0.06 * sin(stride));
     let jelly = palette.orange;
     builder.frame = frame;
-    ellipsoid(builder, jelly, DVec3::new(0.0, 0.27, 0.0), DVec3::new(0.125, 0.16, 0.11), detail.around(44));
-    ellipsoid(builder, jelly, DVec3::new(0.0, 0.47, 0.015), DVec3::new(0.11, 0.1, 0.1), detail.around(40));
-    ellipsoid(builder, jelly, DVec3::new(0.0, 0.45, 0.105), DVec3::new(0.05, 0.04, 0.04), detail.around(24));
-    ball(builder, palette.chocolate, DVec3::new(0.0, 0.463, 0.143), 0.013, detail.around(10));
-    torus(builder, palette.gold, detail.bend(10, [30, 5]), DVec3::new(0.0, 0.395, 0.0), [0.085, 0.014]);
+    ellipsoid(builder, jelly, dvec3(0.0, 0.27, 0.0), dvec3(0.125, 0.16, 0.11), detail.around(44));
+    ellipsoid(builder, jelly, dvec3(0.0, 0.47, 0.015), dvec3(0.11, 0.1, 0.1), detail.around(40));
+    ellipsoid(builder, jelly, dvec3(0.0, 0.45, 0.105), dvec3(0.05, 0.04, 0.04), detail.around(24));
+    ball(builder, palette.chocolate, dvec3(0.0, 0.463, 0.143), 0.013, detail.around(10));
+    torus(builder, palette.gold, detail.bend(10, [30, 5]), dvec3(0.0, 0.395, 0.0), [0.085, 0.014]);
     for side in [-1.0, 1.0] {
         let swing = 0.55 * sin(stride) * side;
         builder.frame = frame;
-        ellipsoid(
-            builder,
-            jelly,
-            DVec3::new(0.08 * side, 0.55, 0.0),
-            DVec3::new(0.04, 0.045, 0.025),
-            detail.around(20),
-        );
-        ball(builder, palette.chocolate, DVec3::new(0.042 * side, 0.5, 0.098), 0.012, detail.around(10));
-        builder.frame = frame.shift(DVec3::new(0.075 * side, 0.19, 0.0)).pitch(swing);
-        ellipsoid(builder, jelly, DVec3::new(0.0, -0.08, 0.015), DVec3::new(0.062, 0.115, 0.07), detail.around(28));
-        builder.frame = frame.shift(DVec3::new(0.125 * side, 0.36, 0.0)).pitch(-1.2 * swing).roll(0.35 * side);
-        ellipsoid(builder, jelly, DVec3::new(0.0, -0.075, 0.0), DVec3::new(0.042, 0.1, 0.045), detail.around(24));
+        ellipsoid(builder, jelly, dvec3(0.08 * side, 0.55, 0.0), dvec3(0.04, 0.045, 0.025), detail.around(20));
+        ball(builder, palette.chocolate, dvec3(0.042 * side, 0.5, 0.098), 0.012, detail.around(10));
+        builder.frame = frame.shift(dvec3(0.075 * side, 0.19, 0.0)).pitch(swing);
+        ellipsoid(builder, jelly, dvec3(0.0, -0.08, 0.015), dvec3(0.062, 0.115, 0.07), detail.around(28));
+        builder.frame = frame.shift(dvec3(0.125 * side, 0.36, 0.0)).pitch(-1.2 * swing).roll(0.35 * side);
+        ellipsoid(builder, jelly, dvec3(0.0, -0.075, 0.0), dvec3(0.042, 0.1, 0.045), detail.around(24));
     }
     builder.frame = Frame::WORLD;
 }

@@ -1,6 +1,6 @@
 //! Jars of glass with balls in them: the deepest stacks of layers in the scene.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::Candy;
 use crate::procedural::math::{TURN, cos, sin};
@@ -62,7 +62,7 @@ pub(super) fn build(candy: &mut Candy) {
                     let angle = TURN * (f64::from(place) + 0.5 * f64::from(layer)) / f64::from(count);
                     let flat = 0.17 * f64::from(ring);
                     let y = 0.03 + BALL + 0.03 + 0.165 * f64::from(layer);
-                    let center = DVec3::new(flat * cos(angle), y, flat * sin(angle)) * size;
+                    let center = dvec3(flat * cos(angle), y, flat * sin(angle)) * size;
                     let material = palette.sweet(number + (3 * layer + 2 * ring + place) as usize);
                     ball(builder, material, center, BALL * size, detail.around(14));
                 }

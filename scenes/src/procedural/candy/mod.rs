@@ -11,7 +11,7 @@ mod layout;
 mod sticks;
 mod sweets;
 
-use glam::DVec3;
+use glam::dvec3;
 
 use self::layout::Layout;
 use super::builder::{Ends, MaterialId, MeshBuilder, palette};
@@ -63,7 +63,7 @@ impl Candy {
     /// Begins an object on the ground, turned about the vertical.
     fn place(&mut self, name: &str, [x, z]: [f64; 2], yaw: f64) {
         self.builder.object(name);
-        self.builder.frame = Frame::at(DVec3::new(x, height(x, z), z)).yaw(yaw);
+        self.builder.frame = Frame::at(dvec3(x, height(x, z), z)).yaw(yaw);
     }
 }
 
@@ -92,7 +92,7 @@ fn ground(candy: &mut Candy) {
     builder.object("ground");
     let across = detail.divide(44, 4);
     let below = detail.along(4);
-    let ends = Ends::Closed(DVec3::new(0.0, -0.4, 0.0), DVec3::new(0.0, height(0.0, 0.0), 0.0));
+    let ends = Ends::Closed(dvec3(0.0, -0.4, 0.0), dvec3(0.0, height(0.0, 0.0), 0.0));
     let around = detail.divide(110, 16);
     builder.rings(palette.ground, below + across, around, &ends, |ring, at| {
         let angle = TURN * at as f64 / around as f64;
@@ -102,7 +102,7 @@ fn ground(candy: &mut Candy) {
         // The rim bulges, so that the two sides never meet.
         let radius = GROUND * share * if under { 0.97 } else { 1.0 };
         let (x, z) = (radius * cos(angle), -radius * sin(angle));
-        DVec3::new(x, if under { -0.4 } else { height(x, z) }, z)
+        dvec3(x, if under { -0.4 } else { height(x, z) }, z)
     });
 }
 

@@ -1,6 +1,6 @@
 //! Sweets that stand upright: canes, and lollipops on sticks.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::Candy;
 use crate::procedural::builder::Ends;
@@ -38,12 +38,12 @@ fn canes(candy: &mut Candy) {
         let path = |t: f64| {
             let way = t * length;
             if way < straight {
-                DVec3::new(0.0, way - 0.1, 0.0)
+                dvec3(0.0, way - 0.1, 0.0)
             } else if way < straight + arc {
                 let angle = (way - straight) / crook;
-                DVec3::new(crook * (1.0 - cos(angle)), straight - 0.1 + crook * sin(angle), 0.0)
+                dvec3(crook * (1.0 - cos(angle)), straight - 0.1 + crook * sin(angle), 0.0)
             } else {
-                DVec3::new(2.0 * crook, straight - 0.1 - (way - straight - arc), 0.0)
+                dvec3(2.0 * crook, straight - 0.1 - (way - straight - arc), 0.0)
             }
         };
         let [around, along] = detail.bend(16, [76, 6]);
@@ -71,20 +71,14 @@ fn coils(candy: &mut Candy) {
         let turns = 4.5;
         let radius = rope * (1.05 + 2.06 * turns);
         let stick = detail.tube(10, 12);
-        rod(
-            builder,
-            palette.white,
-            stick,
-            [DVec3::new(0.0, -0.1, 0.0), DVec3::new(0.0, tall - 0.4 * radius, 0.0)],
-            0.022,
-        );
+        rod(builder, palette.white, stick, [dvec3(0.0, -0.1, 0.0), dvec3(0.0, tall - 0.4 * radius, 0.0)], 0.022);
         builder.frame = builder.frame.shift(DVec3::Y * tall);
         let path = |t: f64| {
             // Between even in angle and even in length.
             let share = mix(t, t.sqrt(), 0.6);
             let angle = TURN * turns * share;
             let from_middle = rope * (1.05 + 2.06 * turns * share);
-            DVec3::new(from_middle * cos(angle), from_middle * sin(angle), 0.0)
+            dvec3(from_middle * cos(angle), from_middle * sin(angle), 0.0)
         };
         let [around, along] = detail.bend(12, [200, 8]);
         let colours = [palette.sweet(number), palette.white, palette.sweet(number + 3), palette.white];
@@ -105,17 +99,11 @@ fn swirls(candy: &mut Candy) {
         let Candy { builder, palette, detail, .. } = candy;
         let radius = 0.14 + 0.1 * tall;
         let stick = detail.tube(10, 12);
-        rod(
-            builder,
-            palette.white,
-            stick,
-            [DVec3::new(0.0, -0.1, 0.0), DVec3::new(0.0, tall - 0.8 * radius, 0.0)],
-            0.02,
-        );
+        rod(builder, palette.white, stick, [dvec3(0.0, -0.1, 0.0), dvec3(0.0, tall - 0.8 * radius, 0.0)], 0.02);
         builder.frame = builder.frame.shift(DVec3::Y * tall).pitch(TURN / 4.0);
         let [around, rows] = [detail.divide(50, 8), detail.divide(20, 3)];
         let colours = [palette.sweet(number + 1), palette.white];
-        let half = DVec2::new(radius, 0.3 * radius);
+        let half = dvec2(radius, 0.3 * radius);
         builder.striped_rings(
             |ring, at| {
                 let wound = 10.0 * at as f64 / around as f64 + 5.0 * ring as f64 / rows as f64;
@@ -127,7 +115,7 @@ fn swirls(candy: &mut Candy) {
             |ring, at| {
                 let up = TURN / 2.0 * (ring + 1) as f64 / (rows + 1) as f64;
                 let angle = TURN * at as f64 / around as f64;
-                DVec3::new(half.x * sin(up) * cos(angle), -half.y * cos(up), -half.x * sin(up) * sin(angle))
+                dvec3(half.x * sin(up) * cos(angle), -half.y * cos(up), -half.x * sin(up) * sin(angle))
             },
         );
     }

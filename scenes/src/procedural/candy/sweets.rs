@@ -1,6 +1,6 @@
 //! Sweets that lie about: wrapped ones, rings, gumdrops, beans, dragees.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec3};
 
 use super::Candy;
 use super::sticks::rounded;
@@ -40,8 +40,8 @@ fn doughnuts(candy: &mut Candy) {
             let share = f64::from(sprinkle) / 36.0;
             let (angle, about) = (TURN * share, 0.09 * TURN * f64::from(sprinkle % 5 - 2));
             let flat = large + 0.93 * small * sin(about);
-            let center = DVec3::new(flat * cos(angle), small * (0.13 + 0.93 * cos(about)), flat * sin(angle));
-            let half = DVec3::new(0.022, 0.007, 0.007);
+            let center = dvec3(flat * cos(angle), small * (0.13 + 0.93 * cos(about)), flat * sin(angle));
+            let half = dvec3(0.022, 0.007, 0.007);
             let frame = builder.frame;
             builder.frame = frame.shift(center).yaw(2.4 * f64::from(sprinkle));
             ellipsoid(builder, palette.sweet(sprinkle as usize), DVec3::ZERO, half, detail.divide(8, 3));
@@ -60,7 +60,7 @@ fn ring_stacks(candy: &mut Candy) {
         let (large, small) = (0.17, 0.07);
         let top = f64::from(count) * 2.05 * small + 0.1;
         let stick = detail.tube(12, 16);
-        rod(builder, palette.white, stick, [DVec3::new(0.0, -0.05, 0.0), DVec3::new(0.0, top, 0.0)], 0.045);
+        rod(builder, palette.white, stick, [dvec3(0.0, -0.05, 0.0), dvec3(0.0, top, 0.0)], 0.045);
         ball(builder, palette.gold, DVec3::Y * top, 0.075, detail.around(24));
         for ring in 0..count {
             let center = DVec3::Y * (small - 0.01 + f64::from(ring) * 2.05 * small);
@@ -101,7 +101,7 @@ fn wrapped(candy: &mut Candy) {
                 let fan = smoothstep(0.55, 1.0, out);
                 let pleat = 1.0 + 0.22 * fan * cos(10.0 * angle);
                 let size = radius * (body.max(0.2) + 0.75 * fan) * pleat;
-                DVec3::new(size * cos(angle), half * along, -size * sin(angle))
+                dvec3(size * cos(angle), half * along, -size * sin(angle))
             },
         );
     }
@@ -135,7 +135,7 @@ fn beans(candy: &mut Candy) {
         let (bend, wide) = (0.09, 1.5);
         let path = |t: f64| {
             let angle = wide * (t - 0.5);
-            DVec3::new(bend * sin(angle), 0.0, bend * (cos(angle) - 0.9))
+            dvec3(bend * sin(angle), 0.0, bend * (cos(angle) - 0.9))
         };
         let radius = |t: f64| rounded(thick, t.min(1.0 - t) * bend * wide);
         tube(builder, palette.sweet(number * 2 + 1), detail.bend(14, [14, 4]), path, radius);

@@ -7,7 +7,7 @@
 
 mod simulation;
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use self::simulation::{BALL, Cloth, RADIUS, SIDE, THICKNESS, ball_turn};
 use super::builder::MeshBuilder;
@@ -34,7 +34,7 @@ pub(crate) fn build(scale: f64, time_s: f64) -> Built {
     builder.object("floor");
     let lines = steps(-FLOOR, FLOOR, detail.along(98));
     // Swapped, so that the upper side is its front.
-    builder.sheet(floor, &lines, &lines, |z, x| DVec3::new(x, 0.0, z), |_, _| false);
+    builder.sheet(floor, &lines, &lines, |z, x| dvec3(x, 0.0, z), |_, _| false);
 
     builder.object("ball");
     builder.frame = Frame::at(BALL).yaw(ball_turn(time_s));
@@ -62,7 +62,7 @@ fn outside(point: DVec3) -> DVec3 {
     let from_ball = point - BALL;
     let distance = from_ball.length();
     let point = if distance < least { BALL + from_ball * (least / distance) } else { point };
-    DVec3::new(point.x, point.y.max(THICKNESS / 2.0), point.z)
+    dvec3(point.x, point.y.max(THICKNESS / 2.0), point.z)
 }
 
 /// All stand where the cloth never comes.

@@ -4,7 +4,7 @@
 //! Everything is done in one fixed order from time zero, so that a time has one state. Only additions, multiplications,
 //! divisions and square roots are used.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use crate::procedural::math::sin;
 
@@ -13,7 +13,7 @@ pub(super) const SIDE: usize = 41;
 /// Radius of the ball in metres.
 pub(super) const RADIUS: f64 = 0.55;
 /// Middle of the ball, which rests on the floor (y = 0).
-pub(super) const BALL: DVec3 = DVec3::new(0.0, RADIUS, 0.0);
+pub(super) const BALL: DVec3 = dvec3(0.0, RADIUS, 0.0);
 /// How far points keep from ball and floor, in metres; folds of the cloth keep three times as far from each other.
 pub(super) const THICKNESS: f64 = 0.012;
 
@@ -80,7 +80,7 @@ impl Cloth {
             for column in 0..SIDE {
                 let [x, z] = [column, row].map(|at| (at as f64 / (SIDE - 1) as f64 - 0.5) * LENGTH);
                 let wave = 0.012 * sin(3.1 * x + 1.0) * sin(2.3 * z + 0.4) + 0.006 * sin(7.0 * x - 5.0 * z);
-                positions.push(DVec3::new(x + 0.08, 2.0 * RADIUS + 0.2 + wave, z - 0.05));
+                positions.push(dvec3(x + 0.08, 2.0 * RADIUS + 0.2 + wave, z - 0.05));
             }
         }
         Self { velocities: vec![DVec3::ZERO; positions.len()], positions }
@@ -165,7 +165,7 @@ fn collide(position: DVec3, before: DVec3, turn: f64) -> DVec3 {
     if depth > 0.0 && distance > 0.0 {
         let normal = from_ball / distance;
         position += normal * depth;
-        let carried = DVec3::new(from_ball.z, 0.0, -from_ball.x) * turn;
+        let carried = dvec3(from_ball.z, 0.0, -from_ball.x) * turn;
         position = rub(position, before + carried, normal, depth);
     }
     let depth = THICKNESS - position.y;

@@ -1,6 +1,6 @@
 //! The ground, the pool in it, stones, and grass.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{Density, HALF, POOL, Palette, Wind};
 use crate::procedural::Detail;
@@ -28,7 +28,7 @@ pub(super) fn distance_to_pool(x: f64, z: f64) -> f64 {
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.object("ground");
     let line = steps(-HALF, HALF, detail.divide(64, 8));
-    builder.sheet(palette.earth, &line, &line, |z, x| DVec3::new(x, height(x, z), z), |_, _| false);
+    builder.sheet(palette.earth, &line, &line, |z, x| dvec3(x, height(x, z), z), |_, _| false);
     builder.object("pool");
     let around = detail.around(40);
     let (middle, radius) = (POOL.0, POOL.1 * 1.3);
@@ -36,14 +36,14 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     builder.rings(palette.water, 2, around, &ends, |ring, at| {
         let angle = TURN * at as f64 / around as f64;
         let y = if ring == 0 { -0.05 } else { -0.002 };
-        middle + DVec3::new(radius * cos(angle), y, -radius * sin(angle))
+        middle + dvec3(radius * cos(angle), y, -radius * sin(angle))
     });
     builder.object("stones");
     let mut random = Random(11);
     for stone in 0..14 {
         let angle = TURN * (f64::from(stone) + random.between(-0.3, 0.3)) / 14.0;
         let away = POOL.1 * random.between(1.15, 1.45);
-        let at = DVec3::new(POOL.0.x + away * cos(angle), 0.0, POOL.0.z + away * sin(angle));
+        let at = dvec3(POOL.0.x + away * cos(angle), 0.0, POOL.0.z + away * sin(angle));
         let size = random.between(0.12, 0.3);
         let rest = Frame::at(at.with_y(height(at.x, at.z) + 0.2 * size)).yaw(random.between(0.0, TURN));
         builder.frame = rest;
@@ -51,7 +51,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         let phase = random.between(0.0, TURN);
         let point = |up: f64, turn: f64| {
             let bump = 1.0 + 0.12 * sin(3.0 * turn + phase) * sin(up) + 0.08 * sin(5.0 * up + 2.0 * turn);
-            DVec3::new(1.3 * cos(turn) * sin(up), -0.6 * cos(up), -sin(turn) * sin(up)) * (size * bump)
+            dvec3(1.3 * cos(turn) * sin(up), -0.6 * cos(up), -sin(turn) * sin(up)) * (size * bump)
         };
         let half = TURN / 2.0;
         let poles = Ends::Closed(point(0.0, 0.0), point(half, 0.0));
@@ -99,9 +99,9 @@ fn blade(
     heading: f64,
 ) {
     let (x, z) = (x.clamp(-HALF, HALF), z.clamp(-HALF, HALF));
-    let root = DVec3::new(x, height(x, z) - 0.03, z);
-    let out = DVec3::new(cos(heading), 0.0, sin(heading));
-    let side = DVec3::new(-out.z, 0.0, out.x) * wide;
+    let root = dvec3(x, height(x, z) - 0.03, z);
+    let out = dvec3(cos(heading), 0.0, sin(heading));
+    let side = dvec3(-out.z, 0.0, out.x) * wide;
     let at = |up: f64| {
         let point = root + out * (bow * tall * up * up) + DVec3::Y * (tall * up);
         wind.bend(point, up, 0.22 * tall, 0.6 * x + 0.4 * z)

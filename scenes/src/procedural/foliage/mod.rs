@@ -10,7 +10,7 @@
 mod ground;
 mod plants;
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{TURN, sin};
@@ -24,7 +24,7 @@ pub(crate) const ANIMATION_S: f64 = 4.0;
 /// Half the ground's extent along x and z, in metres.
 const HALF: f64 = 12.0;
 /// Middle of the pool and its radius.
-const POOL: (DVec3, f64) = (DVec3::new(1.2, -0.12, 1.0), 1.9);
+const POOL: (DVec3, f64) = (dvec3(1.2, -0.12, 1.0), 1.9);
 
 palette! {
     earth: [0.24, 0.22, 0.12];
@@ -71,7 +71,7 @@ impl Wind {
         let by = reach * up.max(0.0) * up.max(0.0);
         let along = self.swing(1.0, phase) + 0.35 * self.swing(3.0, 0.9 * point.x + 0.6 * point.z + phase);
         let across = 0.5 * self.swing(2.0, 0.7 * point.z + phase);
-        point + DVec3::new(0.9 * along + 0.3 * across, -0.15 * (along * along), 0.9 * across - 0.3 * along) * by
+        point + dvec3(0.9 * along + 0.3 * across, -0.15 * (along * along), 0.9 * across - 0.3 * along) * by
     }
 }
 

@@ -1,6 +1,6 @@
 //! Trees and bushes: tapering tubes for wood, kites of four triangles for leaves.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{Density, Palette, Wind, ground};
 use crate::procedural::Detail;
@@ -90,7 +90,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 
 /// A direction with the given heading and rise, both in radians.
 fn direction(heading: f64, rise: f64) -> DVec3 {
-    DVec3::new(cos(heading) * cos(rise), sin(rise), sin(heading) * cos(rise))
+    dvec3(cos(heading) * cos(rise), sin(rise), sin(heading) * cos(rise))
 }
 
 /// The wood of a tree: a trunk, limbs around it, twigs on these.
@@ -103,10 +103,10 @@ fn tree(
     [x, z, height]: [f64; 3],
 ) -> Plant {
     let mut random = Random(9000 + seed);
-    let root = DVec3::new(x, ground::height(x, z) - 0.15, z);
+    let root = dvec3(x, ground::height(x, z) - 0.15, z);
     let mut plant = Plant { root, height, limp: kind.limp, phase: random.between(0.0, TURN), twigs: Vec::new() };
-    let lean = DVec3::new(random.between(-0.4, 0.4), height * 0.93, random.between(-0.4, 0.4));
-    let bow = DVec3::new(random.between(-0.25, 0.25), 0.0, random.between(-0.25, 0.25));
+    let lean = dvec3(random.between(-0.4, 0.4), height * 0.93, random.between(-0.4, 0.4));
+    let bow = dvec3(random.between(-0.25, 0.25), 0.0, random.between(-0.25, 0.25));
     let trunk = Branch { from: root, to: root + lean, bow, radius: [height * 0.026, 0.02] };
     wood(builder, palette.bark[kind.bark], detail.bend(12, [16, 3]), wind, &plant, &trunk);
     let limbs = 15;
@@ -144,7 +144,7 @@ fn shrub(
     [x, z, height]: [f64; 3],
 ) -> Plant {
     let mut random = Random(9000 + seed);
-    let root = DVec3::new(x, ground::height(x, z) - 0.06, z);
+    let root = dvec3(x, ground::height(x, z) - 0.06, z);
     let mut plant = Plant { root, height, limp: kind.limp, phase: random.between(0.0, TURN), twigs: Vec::new() };
     let stems = 14;
     for stem in 0..stems {

@@ -2,7 +2,7 @@
 //!
 //! In an aircraft's frame x points forward, y up and z to its right; the origin is on the floor below its middle.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec3, dvec2, dvec3};
 
 use super::{Motion, Palette, SUNK};
 use crate::procedural::Detail;
@@ -11,8 +11,8 @@ use crate::procedural::math::{Frame, TURN, cos, mix, sin, spline};
 use crate::procedural::shapes::{ball, cuboid, revolve, ribbon, rod, slab, smooth_profile, steps, torus};
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion: &Motion) {
-    transport(builder, palette, detail, motion, Frame::at(DVec3::new(-2.5, 0.0, -1.5)).yaw(0.42));
-    biplane(builder, palette, detail, motion, Frame::at(DVec3::new(18.0, 0.0, 9.5)).yaw(2.5));
+    transport(builder, palette, detail, motion, Frame::at(dvec3(-2.5, 0.0, -1.5)).yaw(0.42));
+    biplane(builder, palette, detail, motion, Frame::at(dvec3(18.0, 0.0, 9.5)).yaw(2.5));
     builder.frame = Frame::WORLD;
 }
 
@@ -30,7 +30,7 @@ impl Hull<'_> {
             let knots: Vec<(f64, f64)> = self.knots.iter().map(|knot| (knot[0], knot[column])).collect();
             spline(&knots, t)
         };
-        (DVec3::new(mix(self.nose, self.tail, t), column(3), 0.0), column(1), column(2))
+        (dvec3(mix(self.nose, self.tail, t), column(3), 0.0), column(1), column(2))
     }
 
     /// The skin between two shares, `inset` metres within; seen from inside if `inward`.
@@ -50,7 +50,7 @@ impl Hull<'_> {
             let (middle, wide, high) = sections[ring];
             let (wide, high) = ((wide - inset).max(0.02), (high - inset).max(0.02));
             // Counter-clockwise about -x.
-            middle + DVec3::new(0.0, high * sin(angle), wide * cos(angle))
+            middle + dvec3(0.0, high * sin(angle), wide * cos(angle))
         });
     }
 }
@@ -68,7 +68,7 @@ fn wing(
     ribbon(builder, material, divisions, Some(DVec3::X), path, |t| {
         let t2 = t * t;
         let out = libm::sqrt((1.0 - 0.97 * t2 * t2 * t2 * t2).max(0.0));
-        DVec2::new(mix(chord, tip_chord, t) * 0.5 * out, thick * mix(1.0, 0.5, t) * out)
+        dvec2(mix(chord, tip_chord, t) * 0.5 * out, thick * mix(1.0, 0.5, t) * out)
     });
 }
 
@@ -82,12 +82,12 @@ fn propeller(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, blade
     builder.frame = here.pitch(turn);
     for blade in 0..blades {
         let angle = TURN * blade as f64 / blades as f64;
-        let out = DVec3::new(0.0, cos(angle), sin(angle));
-        let across = DVec3::new(0.55, -sin(angle) * 0.8, cos(angle) * 0.8);
+        let out = dvec3(0.0, cos(angle), sin(angle));
+        let across = dvec3(0.55, -sin(angle) * 0.8, cos(angle) * 0.8);
         let path = |t: f64| out * mix(0.1, radius, t);
         ribbon(builder, palette.black, detail.bend(12, [24, 6]), Some(across), path, |t| {
             let width = spline(&[(0.0, 0.05), (0.25, 0.11), (0.6, 0.14), (0.9, 0.1), (1.0, 0.03)], t);
-            DVec2::new(width, mix(0.045, 0.012, t))
+            dvec2(width, mix(0.045, 0.012, t))
         });
     }
     builder.frame = here;
@@ -127,12 +127,12 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motio
     let blade = detail.bend(28, [30, 6]);
     let fin = detail.bend(28, [28, 5]);
     for face in [-1.0, 1.0] {
-        let tip = DVec3::new(0.4, 3.0, face * 13.0);
-        wing(builder, palette.polished, blade, [DVec3::new(1.6, 2.15, face * 0.3), tip], [4.4, 1.5], 0.28);
-        let tip = DVec3::new(-9.0, 3.45, face * 3.9);
-        wing(builder, palette.polished, fin, [DVec3::new(-8.2, 3.3, 0.0), tip], [2.2, 1.0], 0.1);
+        let tip = dvec3(0.4, 3.0, face * 13.0);
+        wing(builder, palette.polished, blade, [dvec3(1.6, 2.15, face * 0.3), tip], [4.4, 1.5], 0.28);
+        let tip = dvec3(-9.0, 3.45, face * 3.9);
+        wing(builder, palette.polished, fin, [dvec3(-8.2, 3.3, 0.0), tip], [2.2, 1.0], 0.1);
         // Engine, propeller and landing gear.
-        let engine = DVec3::new(2.6, 2.55, face * 3.9);
+        let engine = dvec3(2.6, 2.55, face * 3.9);
         let nacelle = smooth_profile(
             &[
                 [0.0, -2.4],
@@ -152,7 +152,7 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motio
         builder.frame = here.shift(engine);
         for cylinder in 0..9 {
             let angle = TURN * f64::from(cylinder) / 9.0;
-            let out = DVec3::new(0.0, cos(angle), sin(angle));
+            let out = dvec3(0.0, cos(angle), sin(angle));
             let at = DVec3::X * 1.34;
             rod(builder, palette.steel, detail.tube(10, 4), [at + out * 0.1, at + out * 0.41], 0.1);
         }
@@ -163,53 +163,47 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motio
         propeller(builder, palette, detail, 3, 1.75, face * motion.propeller);
         builder.object("transport landing gear");
         builder.frame = here;
-        let axle = DVec3::new(3.0, 0.6 - SUNK, face * 3.9);
+        let axle = dvec3(3.0, 0.6 - SUNK, face * 3.9);
         landing_wheel(builder, palette, detail, axle, 0.6);
         for side in [-0.32, 0.32] {
             let low = axle + DVec3::Z * side;
             let leg = detail.tube(10, 8);
-            rod(builder, palette.steel, leg, [low, low + DVec3::new(-0.3, 1.75, 0.0)], 0.06);
-            rod(builder, palette.steel, leg, [low, low + DVec3::new(-1.5, 1.7, 0.0)], 0.04);
+            rod(builder, palette.steel, leg, [low, low + dvec3(-0.3, 1.75, 0.0)], 0.06);
+            rod(builder, palette.steel, leg, [low, low + dvec3(-1.5, 1.7, 0.0)], 0.04);
         }
         rod(builder, palette.steel, detail.tube(8, 4), [axle - DVec3::Z * 0.4, axle + DVec3::Z * 0.4], 0.07);
     }
     builder.object("transport tail");
-    let fin_tip = DVec3::new(-9.3, 5.9, 0.0);
-    wing(builder, palette.polished, fin, [DVec3::new(-7.9, 3.2, 0.0), fin_tip], [2.9, 1.2], 0.12);
-    landing_wheel(builder, palette, detail, DVec3::new(-7.6, 0.3 - SUNK, 0.0), 0.3);
-    let leg = [DVec3::new(-7.6, 0.3, 0.14), DVec3::new(-7.2, 2.9, 0.1)];
+    let fin_tip = dvec3(-9.3, 5.9, 0.0);
+    wing(builder, palette.polished, fin, [dvec3(-7.9, 3.2, 0.0), fin_tip], [2.9, 1.2], 0.12);
+    landing_wheel(builder, palette, detail, dvec3(-7.6, 0.3 - SUNK, 0.0), 0.3);
+    let leg = [dvec3(-7.6, 0.3, 0.14), dvec3(-7.2, 2.9, 0.1)];
     rod(builder, palette.steel, detail.tube(10, 8), leg, 0.06);
 }
 
 /// Floor, seats, and windows that stand out of the skin a little.
 fn cabin(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let fine = detail.along(2);
-    let floor = DVec3::new(-4.0, 2.22, -0.8);
-    cuboid(builder, palette.dark_wood, floor, DVec3::new(5.6, 2.28, 0.8), [detail.along(12), fine, detail.along(4)]);
+    let floor = dvec3(-4.0, 2.22, -0.8);
+    cuboid(builder, palette.dark_wood, floor, dvec3(5.6, 2.28, 0.8), [detail.along(12), fine, detail.along(4)]);
     for row in 0..7 {
         let x = -3.3 + 1.15 * f64::from(row);
         for z in [-0.52, 0.52] {
             let seat = detail.bend(16, [5, 2]);
-            slab(builder, palette.blue, seat, DVec3::new(x, 2.62, z), DVec3::new(0.24, 0.07, 0.23), 5.0);
-            let back = [DVec3::new(x - 0.2, 2.55, z), DVec3::new(x - 0.32, 3.25, z)];
+            slab(builder, palette.blue, seat, dvec3(x, 2.62, z), dvec3(0.24, 0.07, 0.23), 5.0);
+            let back = [dvec3(x - 0.2, 2.55, z), dvec3(x - 0.32, 3.25, z)];
             ribbon(
                 builder,
                 palette.blue,
                 detail.bend(16, [8, 2]),
                 Some(DVec3::Z),
                 |t| back[0] + (back[1] - back[0]) * t,
-                |_| DVec2::new(0.22, 0.06),
+                |_| dvec2(0.22, 0.06),
             );
-            rod(
-                builder,
-                palette.steel,
-                [detail.around(8), fine],
-                [DVec3::new(x, 2.26, z), DVec3::new(x, 2.6, z)],
-                0.05,
-            );
+            rod(builder, palette.steel, [detail.around(8), fine], [dvec3(x, 2.26, z), dvec3(x, 2.6, z)], 0.05);
         }
         for (face, z) in [(-1.0, -1.2), (1.0, 1.2)] {
-            let at = DVec3::new(x + 0.2, 3.2, z - 0.08 * face);
+            let at = dvec3(x + 0.2, 3.2, z - 0.08 * face);
             ball(builder, palette.glass, at, 0.17, detail.around(16));
         }
     }
@@ -235,53 +229,33 @@ fn biplane(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
             builder,
             palette.blue,
             blade,
-            [DVec3::new(0.9, 1.2, face * 0.2), DVec3::new(0.6, 1.45, face * 4.6)],
+            [dvec3(0.9, 1.2, face * 0.2), dvec3(0.6, 1.45, face * 4.6)],
             [1.5, 1.2],
             0.09,
         );
-        wing(
-            builder,
-            palette.blue,
-            blade,
-            [DVec3::new(1.4, 2.78, 0.0), DVec3::new(1.2, 2.95, face * 5.0)],
-            [1.5, 1.3],
-            0.09,
-        );
-        wing(
-            builder,
-            palette.blue,
-            fin,
-            [DVec3::new(-3.7, 1.7, 0.0), DVec3::new(-4.1, 1.72, face * 1.6)],
-            [1.1, 0.6],
-            0.05,
-        );
+        wing(builder, palette.blue, blade, [dvec3(1.4, 2.78, 0.0), dvec3(1.2, 2.95, face * 5.0)], [1.5, 1.3], 0.09);
+        wing(builder, palette.blue, fin, [dvec3(-3.7, 1.7, 0.0), dvec3(-4.1, 1.72, face * 1.6)], [1.1, 0.6], 0.05);
         for z in [1.4, 3.4] {
             let [z, out] = [face * z, face * 0.05];
             for (low, high) in [(0.4, 0.95), (1.15, 1.7)] {
-                rod(
-                    builder,
-                    palette.dark_wood,
-                    strut,
-                    [DVec3::new(low, 1.3, z), DVec3::new(high, 2.85, z + out)],
-                    0.03,
-                );
+                rod(builder, palette.dark_wood, strut, [dvec3(low, 1.3, z), dvec3(high, 2.85, z + out)], 0.03);
             }
             for (a, b) in [(1.3, 2.85), (2.85, 1.3)] {
-                let ends = [DVec3::new(0.8, a, z + face * 0.06), DVec3::new(0.85, b, z - face * 1.15)];
+                let ends = [dvec3(0.8, a, z + face * 0.06), dvec3(0.85, b, z - face * 1.15)];
                 rod(builder, palette.steel, detail.tube(6, 6), ends, 0.012);
             }
         }
-        landing_wheel(builder, palette, detail, DVec3::new(1.5, 0.38 - SUNK, face * 0.85), 0.38);
+        landing_wheel(builder, palette, detail, dvec3(1.5, 0.38 - SUNK, face * 0.85), 0.38);
         for x in [1.0, 1.9] {
-            let ends = [DVec3::new(1.5, 0.38, face * 0.72), DVec3::new(x, 1.25, face * 0.3)];
+            let ends = [dvec3(1.5, 0.38, face * 0.72), dvec3(x, 1.25, face * 0.3)];
             rod(builder, palette.steel, strut, ends, 0.035);
         }
     }
-    let axle = [DVec3::new(1.5, 0.37, -0.95), DVec3::new(1.5, 0.37, 0.95)];
+    let axle = [dvec3(1.5, 0.37, -0.95), dvec3(1.5, 0.37, 0.95)];
     rod(builder, palette.steel, strut, axle, 0.04);
-    wing(builder, palette.blue, fin, [DVec3::new(-3.6, 1.6, 0.0), DVec3::new(-4.1, 2.75, 0.0)], [1.2, 0.7], 0.05);
-    rod(builder, palette.steel, strut, [DVec3::new(-4.0, 1.6, 0.0), DVec3::new(-4.2, -SUNK, 0.0)], 0.04);
+    wing(builder, palette.blue, fin, [dvec3(-3.6, 1.6, 0.0), dvec3(-4.1, 2.75, 0.0)], [1.2, 0.7], 0.05);
+    rod(builder, palette.steel, strut, [dvec3(-4.0, 1.6, 0.0), dvec3(-4.2, -SUNK, 0.0)], 0.04);
     builder.object("biplane propeller");
-    builder.frame = here.shift(DVec3::new(2.75, 1.6, 0.0));
+    builder.frame = here.shift(dvec3(2.75, 1.6, 0.0));
     propeller(builder, palette, detail, 2, 1.1, -motion.propeller);
 }

@@ -1,6 +1,6 @@
 //! Catwalks along the back wall and across the hall, with handrails, hangers, a stair and a ladder.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{HALF, Palette, SUNK};
 use crate::procedural::Detail;
@@ -14,19 +14,13 @@ const DECK: f64 = 6.8;
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.object("catwalk along the wall");
     let back = -HALF[1] + 2.6;
-    walk(builder, palette, detail, [DVec3::new(-28.0, DECK, back), DVec3::new(28.0, DECK, back)], 24);
+    walk(builder, palette, detail, [dvec3(-28.0, DECK, back), dvec3(28.0, DECK, back)], 24);
     builder.object("catwalk across");
-    walk(
-        builder,
-        palette,
-        detail,
-        [DVec3::new(-21.0, DECK + 0.03, back + 0.9), DVec3::new(-21.0, DECK + 0.03, 18.6)],
-        14,
-    );
+    walk(builder, palette, detail, [dvec3(-21.0, DECK + 0.03, back + 0.9), dvec3(-21.0, DECK + 0.03, 18.6)], 14);
     builder.object("stair");
-    stair(builder, palette, detail, DVec3::new(20.0, 0.0, back + 1.6), DVec3::new(9.5, DECK, back + 1.6));
+    stair(builder, palette, detail, dvec3(20.0, 0.0, back + 1.6), dvec3(9.5, DECK, back + 1.6));
     builder.object("ladder");
-    let ends = [DVec3::new(-21.0, -SUNK, 19.3), DVec3::new(-21.0, 11.9, 19.3)];
+    let ends = [dvec3(-21.0, -SUNK, 19.3), dvec3(-21.0, 11.9, 19.3)];
     ladder(builder, palette.yellow, detail, ends, DVec3::X * 0.3, 24);
 }
 

@@ -1,6 +1,6 @@
 //! Service docks: scaffolds of tubes with planked decks on either side of the transport's tail and before its nose.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{Palette, SUNK};
 use crate::procedural::Detail;
@@ -14,7 +14,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         [(-9.0, 4.9, 0.42, 8.0), (-12.4, -2.6, 0.42, 6.0), (8.5, 0.4, 0.9, 6.0)].into_iter().enumerate()
     {
         builder.object(format!("dock {number}"));
-        builder.frame = Frame::at(DVec3::new(x, 0.0, z)).yaw(turn);
+        builder.frame = Frame::at(dvec3(x, 0.0, z)).yaw(turn);
         dock(builder, palette, detail, long);
     }
     builder.frame = Frame::WORLD;
@@ -28,30 +28,30 @@ fn dock(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64)
     for face in [-1.0, 1.0] {
         for post in 0..=bays {
             let x = -half + long * post as f64 / bays as f64;
-            let ends = [DVec3::new(x, -SUNK, face), DVec3::new(x, 5.2, face)];
+            let ends = [dvec3(x, -SUNK, face), dvec3(x, 5.2, face)];
             rod(builder, palette.yellow, tube, ends, 0.04);
         }
         for (number, y) in [1.3, 2.7, 4.1].into_iter().enumerate() {
             for rail in [-0.12, 0.95] {
-                let line = [-half - 0.15, half + 0.15].map(|x| DVec3::new(x, y + rail, face * 1.02));
+                let line = [-half - 0.15, half + 0.15].map(|x| dvec3(x, y + rail, face * 1.02));
                 rod(builder, palette.yellow, tube, line, 0.03);
             }
             let bay = 2.0 * half / bays as f64;
             let from = -half + bay * (number % bays) as f64;
-            let brace = [DVec3::new(from, y - 1.3, face * 1.04), DVec3::new(from + bay, y - 0.1, face * 1.04)];
+            let brace = [dvec3(from, y - 1.3, face * 1.04), dvec3(from + bay, y - 0.1, face * 1.04)];
             rod(builder, palette.steel, tube, brace, 0.025);
         }
     }
     for y in [1.3, 2.7, 4.1] {
         for plank in 0..3 {
             let z = -0.64 + 0.64 * f64::from(plank);
-            let min = DVec3::new(-half - 0.1, y - 0.05, z - 0.3);
-            let max = DVec3::new(half + 0.1, y, z + 0.3);
+            let min = dvec3(-half - 0.1, y - 0.05, z - 0.3);
+            let max = dvec3(half + 0.1, y, z + 0.3);
             cuboid(builder, palette.wood, min, max, detail.sides([4, 1, 2]));
         }
         for bearer in 0..=bays {
             let x = -half + long * bearer as f64 / bays as f64;
-            let ends = [DVec3::new(x, y - 0.08, -1.1), DVec3::new(x, y - 0.08, 1.1)];
+            let ends = [dvec3(x, y - 0.08, -1.1), dvec3(x, y - 0.08, 1.1)];
             beam(builder, palette.steel, detail.sides([1, 2]), ends, [0.04, 0.03], DVec3::Y);
         }
     }

@@ -1,6 +1,6 @@
 //! What stands on the floor: stacks of crates, barrels, pallets of pipes, and a tractor that pulls a cart.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{Motion, Palette, SUNK};
 use crate::procedural::Detail;
@@ -16,8 +16,8 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     tractor(builder, palette, detail, motion);
     builder.object("platform ladder");
     builder.frame = Frame::WORLD;
-    let ends = [DVec3::new(-8.0, -SUNK, 6.0), DVec3::new(-7.4, 2.9, 4.6)];
-    ladder(builder, palette.blue, detail, ends, DVec3::new(0.3, 0.0, 0.12), 9);
+    let ends = [dvec3(-8.0, -SUNK, 6.0), dvec3(-7.4, 2.9, 4.6)];
+    ladder(builder, palette.blue, detail, ends, dvec3(0.3, 0.0, 0.12), 9);
 }
 
 /// Stacks near the left end and under the catwalk.
@@ -43,11 +43,11 @@ fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         builder.object(format!("crates {number}"));
         let mut y = -0.01;
         for level in 0..high {
-            let size = DVec3::new(random.between(1.5, 1.8), random.between(1.2, 1.7), random.between(1.5, 1.8));
+            let size = dvec3(random.between(1.5, 1.8), random.between(1.2, 1.7), random.between(1.5, 1.8));
             let turn = random.between(-0.09, 0.09);
             // Each level is smaller than the one below, so that it stands on it.
             let size = size * (1.0 - 0.07 * f64::from(level));
-            builder.frame = Frame::at(DVec3::new(x, y, z)).yaw(turn);
+            builder.frame = Frame::at(dvec3(x, y, z)).yaw(turn);
             plank_crate(builder, [palette.wood, palette.dark_wood], detail, size);
             y += size.y - 0.01;
         }
@@ -60,7 +60,7 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         builder.object(format!("barrels {group}"));
         for place in 0..6 {
             let (row, column) = (place / 3, place % 3);
-            let at = DVec3::new(
+            let at = dvec3(
                 x + 0.95 * f64::from(column) + random.between(-0.05, 0.05),
                 -SUNK,
                 z + 0.95 * f64::from(row) + random.between(-0.05, 0.05),
@@ -97,9 +97,9 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 fn pipes(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     for (group, (x, z, turn)) in [(2.0, -9.6, 0.08), (10.0, 15.9, -0.05)].into_iter().enumerate() {
         builder.object(format!("pipes {group}"));
-        builder.frame = Frame::at(DVec3::new(x, 0.0, z)).yaw(turn);
+        builder.frame = Frame::at(dvec3(x, 0.0, z)).yaw(turn);
         for bearer in [-2.0, 0.0, 2.0] {
-            let ends = [DVec3::new(bearer, 0.08, -0.9), DVec3::new(bearer, 0.08, 0.9)];
+            let ends = [dvec3(bearer, 0.08, -0.9), dvec3(bearer, 0.08, 0.9)];
             beam(builder, palette.dark_wood, detail.sides([2, 4]), ends, [0.1, 0.08], DVec3::Y);
         }
         let here = builder.frame;
@@ -107,7 +107,7 @@ fn pipes(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             for pipe in 0..6 - row {
                 let z = 0.285 * (f64::from(pipe) - f64::from(5 - row) / 2.0);
                 let y = 0.3 + 0.245 * f64::from(row);
-                builder.frame = here.shift(DVec3::new(3.0, y, z)).roll(TURN / 4.0);
+                builder.frame = here.shift(dvec3(3.0, y, z)).roll(TURN / 4.0);
                 // Hollow: along the outside, back along the inside.
                 let section = [[0.11, 0.0], [0.14, 0.0], [0.14, 6.0], [0.11, 6.0]].map(DVec2::from_array);
                 let section = outline(&section, &[1, detail.along(4)]);
@@ -119,14 +119,14 @@ fn pipes(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 
 /// A tractor and a loaded cart behind it, rolling along their own x axis.
 fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion: &Motion) {
-    let start = Frame::at(DVec3::new(-17.5, 0.0, 8.8)).yaw(-0.06);
+    let start = Frame::at(dvec3(-17.5, 0.0, 8.8)).yaw(-0.06);
     let here = start.shift(DVec3::X * motion.rolled);
     let fine = detail.along(2);
     let turn = -motion.rolled;
     let place = |builder: &mut MeshBuilder, middle: DVec3, radius: f64| {
         for face in [-1.0, 1.0] {
             builder.frame =
-                here.shift(DVec3::new(middle.x, middle.y, face * middle.z)).roll(turn / radius).pitch(TURN / 4.0);
+                here.shift(dvec3(middle.x, middle.y, face * middle.z)).roll(turn / radius).pitch(TURN / 4.0);
             let thick = radius * 0.3;
             torus(builder, palette.rubber, detail.ring(12, 28), DVec3::ZERO, [radius - thick, thick]);
             let hub = straight_profile(
@@ -136,7 +136,7 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
             revolve(builder, palette.white, detail.around(12), &hub);
             for bolt in 0..5 {
                 let angle = TURN * f64::from(bolt) / 5.0;
-                let at = DVec3::new(cos(angle), 0.0, sin(angle)) * (radius * 0.3);
+                let at = dvec3(cos(angle), 0.0, sin(angle)) * (radius * 0.3);
                 let ends = [at - DVec3::Y * 0.11, at + DVec3::Y * 0.11];
                 rod(builder, palette.steel, detail.tube(6, 1), ends, 0.03);
             }
@@ -144,49 +144,43 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
         builder.frame = here;
     };
     builder.object("tractor");
-    place(builder, DVec3::new(-0.7, 0.5 - SUNK, 0.75), 0.5);
-    place(builder, DVec3::new(1.1, 0.36 - SUNK, 0.68), 0.36);
+    place(builder, dvec3(-0.7, 0.5 - SUNK, 0.75), 0.5);
+    place(builder, dvec3(1.1, 0.36 - SUNK, 0.68), 0.36);
     for x in [-0.7, 1.1] {
         let y = if x < 0.0 { 0.48 } else { 0.34 };
-        rod(builder, palette.steel, [detail.around(8), fine], [DVec3::new(x, y, -0.75), DVec3::new(x, y, 0.75)], 0.05);
+        rod(builder, palette.steel, [detail.around(8), fine], [dvec3(x, y, -0.75), dvec3(x, y, 0.75)], 0.05);
     }
     let shape = detail.bend(32, [10, 3]);
-    slab(builder, palette.yellow, shape, DVec3::new(0.9, 0.78, 0.0), DVec3::new(0.85, 0.3, 0.45), 5.0);
-    slab(builder, palette.yellow, shape, DVec3::new(-0.65, 0.62, 0.0), DVec3::new(0.85, 0.22, 0.5), 6.0);
-    slab(builder, palette.black, shape, DVec3::new(-0.75, 0.93, 0.0), DVec3::new(0.25, 0.08, 0.3), 5.0);
-    let back = |t: f64| DVec3::new(-1.0 - 0.1 * t, 0.93 + 0.6 * t, 0.0);
-    ribbon(builder, palette.black, [shape[0], shape[1]], Some(DVec3::Z), back, |_| DVec2::new(0.28, 0.06));
-    rod(
-        builder,
-        palette.steel,
-        [detail.around(8), fine],
-        [DVec3::new(0.1, 0.95, 0.0), DVec3::new(-0.15, 1.3, 0.0)],
-        0.025,
-    );
-    let middle = DVec3::new(-0.16, 1.31, 0.0);
+    slab(builder, palette.yellow, shape, dvec3(0.9, 0.78, 0.0), dvec3(0.85, 0.3, 0.45), 5.0);
+    slab(builder, palette.yellow, shape, dvec3(-0.65, 0.62, 0.0), dvec3(0.85, 0.22, 0.5), 6.0);
+    slab(builder, palette.black, shape, dvec3(-0.75, 0.93, 0.0), dvec3(0.25, 0.08, 0.3), 5.0);
+    let back = |t: f64| dvec3(-1.0 - 0.1 * t, 0.93 + 0.6 * t, 0.0);
+    ribbon(builder, palette.black, [shape[0], shape[1]], Some(DVec3::Z), back, |_| dvec2(0.28, 0.06));
+    rod(builder, palette.steel, [detail.around(8), fine], [dvec3(0.1, 0.95, 0.0), dvec3(-0.15, 1.3, 0.0)], 0.025);
+    let middle = dvec3(-0.16, 1.31, 0.0);
     let rim = |t: f64| {
         let (s, c) = (sin(TURN * t), cos(TURN * t));
-        middle + DVec3::new(0.1 * c, 0.06 * c, 0.2 * s)
+        middle + dvec3(0.1 * c, 0.06 * c, 0.2 * s)
     };
     loop_tube(builder, palette.black, detail.ring(8, 28), rim, 0.018);
-    rod(builder, palette.black, detail.tube(8, 4), [DVec3::new(1.2, 1.0, 0.2), DVec3::new(1.2, 1.6, 0.2)], 0.04);
+    rod(builder, palette.black, detail.tube(8, 4), [dvec3(1.2, 1.0, 0.2), dvec3(1.2, 1.6, 0.2)], 0.04);
 
     builder.object("cart");
-    place(builder, DVec3::new(-4.6, 0.3 - SUNK, 0.72), 0.3);
-    place(builder, DVec3::new(-2.9, 0.3 - SUNK, 0.72), 0.3);
-    let min = DVec3::new(-5.2, 0.5, -0.7);
-    cuboid(builder, palette.green, min, DVec3::new(-2.3, 0.62, 0.7), [detail.along(8), fine, detail.along(4)]);
+    place(builder, dvec3(-4.6, 0.3 - SUNK, 0.72), 0.3);
+    place(builder, dvec3(-2.9, 0.3 - SUNK, 0.72), 0.3);
+    let min = dvec3(-5.2, 0.5, -0.7);
+    cuboid(builder, palette.green, min, dvec3(-2.3, 0.62, 0.7), [detail.along(8), fine, detail.along(4)]);
     for x in [-4.6, -2.9] {
-        let ends = [DVec3::new(x, 0.3, -0.72), DVec3::new(x, 0.3, 0.72)];
+        let ends = [dvec3(x, 0.3, -0.72), dvec3(x, 0.3, 0.72)];
         rod(builder, palette.steel, [detail.around(8), fine], ends, 0.04);
-        let ends = [DVec3::new(x, 0.28, 0.0), DVec3::new(x, 0.55, 0.0)];
+        let ends = [dvec3(x, 0.28, 0.0), dvec3(x, 0.55, 0.0)];
         rod(builder, palette.steel, [detail.around(8), fine], ends, 0.09);
     }
-    let bar = [DVec3::new(-2.4, 0.55, 0.0), DVec3::new(-1.3, 0.5, 0.0)];
+    let bar = [dvec3(-2.4, 0.55, 0.0), dvec3(-1.3, 0.5, 0.0)];
     rod(builder, palette.steel, detail.tube(8, 4), bar, 0.04);
-    builder.frame = here.shift(DVec3::new(-4.4, 0.61, 0.0));
-    plank_crate(builder, [palette.wood, palette.dark_wood], detail, DVec3::new(1.2, 0.9, 1.1));
-    builder.frame = here.shift(DVec3::new(-3.1, 0.61, 0.02)).yaw(0.2);
-    plank_crate(builder, [palette.wood, palette.dark_wood], detail, DVec3::new(0.9, 0.7, 0.95));
+    builder.frame = here.shift(dvec3(-4.4, 0.61, 0.0));
+    plank_crate(builder, [palette.wood, palette.dark_wood], detail, dvec3(1.2, 0.9, 1.1));
+    builder.frame = here.shift(dvec3(-3.1, 0.61, 0.02)).yaw(0.2);
+    plank_crate(builder, [palette.wood, palette.dark_wood], detail, dvec3(0.9, 0.7, 0.95));
     builder.frame = Frame::WORLD;
 }

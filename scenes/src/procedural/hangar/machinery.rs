@@ -1,6 +1,6 @@
 //! Machinery along the walls: tanks on legs with pipes, workbenches, a lathe, shelves of parts, a compressor.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{HALF, Palette, SUNK};
 use crate::procedural::Detail;
@@ -12,17 +12,17 @@ use crate::procedural::shapes::{cuboid, revolve, rod, slab, smooth_profile, toru
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     for (number, x) in [-13.0, -9.8, 14.5].into_iter().enumerate() {
         builder.object(format!("tank {number}"));
-        tank(builder, palette, detail, DVec3::new(x, 0.0, HALF[1] - 3.0 + 0.1 * number as f64));
+        tank(builder, palette, detail, dvec3(x, 0.0, HALF[1] - 3.0 + 0.1 * number as f64));
     }
     for (number, (x, z, turn)) in
         [(1.0, 16.2, 0.03), (5.5, 16.4, -0.02), (-28.4, -6.0, TURN / 4.0)].into_iter().enumerate()
     {
         builder.object(format!("workbench {number}"));
-        workbench(builder, palette, detail, Frame::at(DVec3::new(x, 0.0, z)).yaw(turn), number as u64);
+        workbench(builder, palette, detail, Frame::at(dvec3(x, 0.0, z)).yaw(turn), number as u64);
     }
     for (number, x) in [-4.0, 0.5, 5.0].into_iter().enumerate() {
         builder.object(format!("shelf {number}"));
-        shelf(builder, palette, detail, DVec3::new(x, 0.0, -HALF[1] + 1.3), number as u64);
+        shelf(builder, palette, detail, dvec3(x, 0.0, -HALF[1] + 1.3), number as u64);
     }
     builder.object("pipework");
     builder.frame = Frame::WORLD;
@@ -41,12 +41,12 @@ fn tank(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3)
         torus(builder, palette.steel, detail.ring(6, 32), DVec3::Y * y, [1.11, 0.05]);
     }
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-        let ends = [DVec3::new(x * 0.72, -SUNK, z * 0.72), DVec3::new(x * 0.66, 1.5, z * 0.66)];
+        let ends = [dvec3(x * 0.72, -SUNK, z * 0.72), dvec3(x * 0.66, 1.5, z * 0.66)];
         rod(builder, palette.steel, detail.tube(10, 6), ends, 0.09);
     }
-    let neck = [DVec3::new(0.0, 4.6, 0.0), DVec3::new(0.0, 5.1, 0.0)];
+    let neck = [dvec3(0.0, 4.6, 0.0), dvec3(0.0, 5.1, 0.0)];
     rod(builder, palette.steel, detail.tube(20, 4), neck, 0.3);
-    let neck = [DVec3::new(0.0, 2.0, 0.9), DVec3::new(0.0, 2.0, -1.3)];
+    let neck = [dvec3(0.0, 2.0, 0.9), dvec3(0.0, 2.0, -1.3)];
     rod(builder, palette.steel, detail.tube(20, 4), neck, 0.28);
 }
 
@@ -55,38 +55,38 @@ fn workbench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
     let fine = detail.along(2);
     let mut random = Random(400 + seed);
     builder.frame = here;
-    let top = DVec3::new(1.8, 0.05, 0.5);
+    let top = dvec3(1.8, 0.05, 0.5);
     let middle = DVec3::Y * 0.92;
     cuboid(builder, palette.wood, middle - top, middle + top, [detail.along(8), fine, detail.along(4)]);
     for x in [-1.7, 0.0, 1.7] {
         for z in [-0.4, 0.4] {
-            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(x, 0.9, z)];
+            let ends = [dvec3(x, -SUNK, z), dvec3(x, 0.9, z)];
             beam(builder, palette.green, [fine, detail.along(4)], ends, [0.05, 0.05], DVec3::X);
         }
     }
-    let min = DVec3::new(-1.74, 0.2, -0.41);
-    cuboid(builder, palette.green, min, DVec3::new(1.73, 0.24, 0.42), [detail.along(8), fine, detail.along(4)]);
+    let min = dvec3(-1.74, 0.2, -0.41);
+    cuboid(builder, palette.green, min, dvec3(1.73, 0.24, 0.42), [detail.along(8), fine, detail.along(4)]);
     for drawer in 0..3 {
         let x = -1.3 + 0.6 * f64::from(drawer);
-        let min = DVec3::new(x, 0.64, -0.3);
-        cuboid(builder, palette.green, min, min + DVec3::new(0.5, 0.255, 0.73), [fine, fine, fine]);
-        let knob = DVec3::new(x + 0.25, 0.75, 0.41);
+        let min = dvec3(x, 0.64, -0.3);
+        cuboid(builder, palette.green, min, min + dvec3(0.5, 0.255, 0.73), [fine, fine, fine]);
+        let knob = dvec3(x + 0.25, 0.75, 0.41);
         rod(builder, palette.steel, [detail.around(8), fine], [knob, knob + DVec3::Z * 0.08], 0.03);
     }
     // Headstock, bed and chuck.
     let shape = detail.bend(24, [8, 3]);
-    let min = DVec3::new(-1.25, 0.93, -0.27);
-    cuboid(builder, palette.green, min, DVec3::new(-0.55, 1.52, 0.27), [fine, fine, fine]);
-    slab(builder, palette.green, shape, DVec3::new(0.1, 1.031, 0.0), DVec3::new(1.0, 0.083, 0.2), 6.0);
-    let min = DVec3::new(0.65, 0.96, -0.16);
-    cuboid(builder, palette.green, min, DVec3::new(1.05, 1.4, 0.16), [fine, fine, fine]);
-    let chuck = [DVec3::new(-0.6, 1.28, 0.0), DVec3::new(-0.4, 1.28, 0.0)];
+    let min = dvec3(-1.25, 0.93, -0.27);
+    cuboid(builder, palette.green, min, dvec3(-0.55, 1.52, 0.27), [fine, fine, fine]);
+    slab(builder, palette.green, shape, dvec3(0.1, 1.031, 0.0), dvec3(1.0, 0.083, 0.2), 6.0);
+    let min = dvec3(0.65, 0.96, -0.16);
+    cuboid(builder, palette.green, min, dvec3(1.05, 1.4, 0.16), [fine, fine, fine]);
+    let chuck = [dvec3(-0.6, 1.28, 0.0), dvec3(-0.4, 1.28, 0.0)];
     rod(builder, palette.polished, detail.tube(24, 4), chuck, 0.17);
-    let spindle = [DVec3::new(-0.45, 1.28, 0.0), DVec3::new(0.8, 1.28, 0.0)];
+    let spindle = [dvec3(-0.45, 1.28, 0.0), dvec3(0.8, 1.28, 0.0)];
     rod(builder, palette.polished, detail.tube(14, 10), spindle, 0.05);
     for tool in 0..6 {
-        let at = DVec3::new(1.15 + 0.06 * f64::from(tool), 0.985, random.between(-0.3, -0.05));
-        let ends = [at, at + DVec3::new(random.between(-0.02, 0.02), 0.0, random.between(0.25, 0.45))];
+        let at = dvec3(1.15 + 0.06 * f64::from(tool), 0.985, random.between(-0.3, -0.05));
+        let ends = [at, at + dvec3(random.between(-0.02, 0.02), 0.0, random.between(0.25, 0.45))];
         rod(builder, palette.steel, detail.tube(8, 4), ends, random.between(0.012, 0.02));
     }
 }
@@ -99,23 +99,23 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3
     let here = builder.frame;
     for x in [-1.95, 1.95] {
         for z in [-0.4, 0.4] {
-            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(x, 4.5, z)];
+            let ends = [dvec3(x, -SUNK, z), dvec3(x, 4.5, z)];
             beam(builder, palette.blue, [fine, detail.along(8)], ends, [0.04, 0.04], DVec3::X);
         }
     }
     for level in 0..5 {
         let y = 0.3 + f64::from(level);
         builder.frame = here;
-        let (min, max) = (DVec3::new(-1.97, y - 0.06, -0.38), DVec3::new(1.97, y, 0.38));
+        let (min, max) = (dvec3(-1.97, y - 0.06, -0.38), dvec3(1.97, y, 0.38));
         cuboid(builder, palette.steel, min, max, [detail.along(4), fine, detail.along(2)]);
         let mut x = -1.75;
         while x < 1.15 {
             let kind = random.between(0.0, 3.0);
             let size = random.between(0.2, 0.34);
             let z = random.between(-0.08, 0.08);
-            builder.frame = here.shift(DVec3::new(x + size, y - 0.01, z)).yaw(random.between(-0.15, 0.15));
+            builder.frame = here.shift(dvec3(x + size, y - 0.01, z)).yaw(random.between(-0.15, 0.15));
             if kind < 1.4 {
-                let half = DVec3::new(size * 0.85, 0.0, size * 0.8);
+                let half = dvec3(size * 0.85, 0.0, size * 0.8);
                 let high = DVec3::Y * random.between(0.2, 0.6);
                 let material = if kind < 0.7 { palette.wood } else { palette.red_lead };
                 cuboid(builder, material, -half, half + high, [fine, fine, fine]);
@@ -143,12 +143,12 @@ fn pipework(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         let shift = number as f64;
         let z = HALF[1] - 0.55 - 0.33 * shift;
         let knots = [
-            DVec3::new(-25.0, 3.0 + 0.6 * shift, z),
-            DVec3::new(-14.0, 3.05 + 0.6 * shift, z),
-            DVec3::new(-7.0, 4.4 + 0.7 * shift, z + 0.1),
-            DVec3::new(1.0, 5.5 + 0.7 * shift, z),
-            DVec3::new(12.0, 5.5 + 0.7 * shift, z),
-            DVec3::new(24.0, 6.3 + 0.7 * shift, z),
+            dvec3(-25.0, 3.0 + 0.6 * shift, z),
+            dvec3(-14.0, 3.05 + 0.6 * shift, z),
+            dvec3(-7.0, 4.4 + 0.7 * shift, z + 0.1),
+            dvec3(1.0, 5.5 + 0.7 * shift, z),
+            dvec3(12.0, 5.5 + 0.7 * shift, z),
+            dvec3(24.0, 6.3 + 0.7 * shift, z),
         ];
         let path = |t: f64| curve(&knots, t);
         tube(builder, palette.steel, detail.bend(12, [70, 10]), path, |_| radius);

@@ -1,6 +1,6 @@
 //! The steelwork: lattice columns, oblique trusses, bracing in the roof, purlins, lamps and sagging cables.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{EAVES, HALF, Palette, RIDGE, SUNK};
 use crate::procedural::Detail;
@@ -32,7 +32,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         [(-18.0, -7.0), (-18.0, 7.0), (0.0, -7.0), (0.0, 7.0), (18.0, -7.0), (18.0, 7.0)].into_iter().enumerate()
     {
         builder.object(format!("lamp {number}"));
-        lamp(builder, palette, detail, DVec3::new(x + 3.0, CHORD, z));
+        lamp(builder, palette, detail, dvec3(x + 3.0, CHORD, z));
     }
 }
 
@@ -45,8 +45,8 @@ fn truss(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64) {
     let thin = detail.tube(6, 4);
     let long = detail.tube(8, 16);
     let end = HALF[1] - 0.3;
-    let low = |z: f64| DVec3::new(x, CHORD, z);
-    let high = |z: f64| DVec3::new(x, slope(z), z);
+    let low = |z: f64| dvec3(x, CHORD, z);
+    let high = |z: f64| dvec3(x, slope(z), z);
     rod(builder, palette.red_lead, long, [low(-end), low(end)], 0.11);
     for face in [-1.0, 1.0] {
         rod(builder, palette.red_lead, long, [high(face * (end + 0.2)), high(face * -0.05)], 0.1);
@@ -63,12 +63,12 @@ fn truss(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64) {
 
 /// Two posts and oblique rods between them, on a foot.
 fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64, z: f64) {
-    let line = |at: f64| [DVec3::new(x, -SUNK, z + at), DVec3::new(x, CHORD + 0.05, z + at)];
+    let line = |at: f64| [dvec3(x, -SUNK, z + at), dvec3(x, CHORD + 0.05, z + at)];
     for at in [-0.4, 0.4] {
         beam(builder, palette.red_lead, detail.sides([2, 6]), line(at), [0.13, 0.09], DVec3::X);
     }
     zigzag(builder, palette.red_lead, detail.tube(6, 4), [line(-0.4), line(0.4)], 3, 0.045);
-    let foot = DVec3::new(x, -SUNK, z);
+    let foot = dvec3(x, -SUNK, z);
     beam(
         builder,
         palette.concrete,
@@ -84,21 +84,21 @@ fn bracing(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let divisions = detail.tube(6, 8);
     for z in [-16.3, -9.8, -3.3, 3.3, 9.8, 16.3] {
         let y = slope(z) + 0.16;
-        let ends = [DVec3::new(-HALF[0] - 0.1, y, z), DVec3::new(HALF[0] + 0.1, y, z)];
+        let ends = [dvec3(-HALF[0] - 0.1, y, z), dvec3(HALF[0] + 0.1, y, z)];
         beam(builder, palette.steel, detail.sides([2, 24]), ends, [0.1, 0.06], DVec3::Y);
     }
     for bay in [0, 4, 8] {
         let [x0, x1] = [bay, bay + 1].map(|at| -27.0 + BAY * f64::from(at));
         for (z0, z1) in [(-19.0, -10.0), (-10.0, -0.5), (0.5, 10.0), (10.0, 19.0)] {
             for (a, b, drop) in [(z0, z1, 0.0), (z1, z0, 0.05)] {
-                let ends = [DVec3::new(x0, slope(a) - drop, a), DVec3::new(x1, slope(b) - drop, b)];
+                let ends = [dvec3(x0, slope(a) - drop, a), dvec3(x1, slope(b) - drop, b)];
                 rod(builder, palette.steel, divisions, ends, 0.035);
             }
         }
         for face in [-1.0, 1.0] {
             let z = face * (HALF[1] - 1.0);
             for (a, b, aside) in [(0.6, 11.5, 0.02), (11.5, 0.6, -0.05)] {
-                let ends = [DVec3::new(x0, a, z + aside), DVec3::new(x1, b, z + aside)];
+                let ends = [dvec3(x0, a, z + aside), dvec3(x1, b, z + aside)];
                 rod(builder, palette.steel, divisions, ends, 0.045);
             }
         }
@@ -111,8 +111,7 @@ fn cables(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         for span in 0..9 {
             let x = -27.0 + BAY * f64::from(span);
             let sag = 0.5 + 0.35 * sin(2.0 * f64::from(span) + number as f64);
-            let path =
-                |t: f64| DVec3::new(x + BAY * t, CHORD - 0.09 - 4.0 * sag * t * (1.0 - t), z + 0.3 * sin(3.0 * t));
+            let path = |t: f64| dvec3(x + BAY * t, CHORD - 0.09 - 4.0 * sag * t * (1.0 - t), z + 0.3 * sin(3.0 * t));
             tube(builder, palette.black, detail.tube(6, 12), path, |_| 0.03);
         }
     }

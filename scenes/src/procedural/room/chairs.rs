@@ -1,6 +1,6 @@
 //! Five chairs of thin round rods; their legs have a radius of 8 millimetres.
 
-use glam::DVec3;
+use glam::dvec3;
 
 use super::{Palette, SUNK, TABLE};
 use crate::procedural::Detail;
@@ -18,21 +18,21 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     for (x, z, turn) in
         [(-0.42, 0.72, 0.01), (0.4, 0.78, -0.03), (-0.38, -0.74, 0.5), (0.45, -0.7, 0.485), (1.25, 0.1, 0.29)]
     {
-        builder.frame = Frame::at(TABLE + DVec3::new(x, 0.0, z)).yaw(turn * TURN);
+        builder.frame = Frame::at(TABLE + dvec3(x, 0.0, z)).yaw(turn * TURN);
         chair(builder, palette, detail);
     }
     builder.frame = Frame::WORLD;
 }
 
 fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    slab(builder, palette.wood, detail.bend(40, [6, 2]), DVec3::new(0.0, SEAT, 0.0), DVec3::new(0.21, 0.014, 0.2), 4.0);
+    slab(builder, palette.wood, detail.bend(40, [6, 2]), dvec3(0.0, SEAT, 0.0), dvec3(0.21, 0.014, 0.2), 4.0);
     let thick = detail.bend(12, [8, 2]);
     let thin = detail.bend(8, [4, 1]);
     // Legs spread towards the floor and bow a little.
-    let foot = |x: f64, z: f64| DVec3::new(x * 0.205, -SUNK, z * 0.2);
-    let hip = |x: f64, z: f64| DVec3::new(x * 0.165, SEAT, z * 0.155);
+    let foot = |x: f64, z: f64| dvec3(x * 0.205, -SUNK, z * 0.2);
+    let hip = |x: f64, z: f64| dvec3(x * 0.165, SEAT, z * 0.155);
     let on_leg = |x: f64, z: f64, t: f64| {
-        let bow = DVec3::new(x, 0.0, z) * (0.012 * t * (1.0 - t));
+        let bow = dvec3(x, 0.0, z) * (0.012 * t * (1.0 - t));
         foot(x, z) + (hip(x, z) - foot(x, z)) * t + bow
     };
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
@@ -51,11 +51,11 @@ fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let rail = |t: f64| {
         curve(
             &[
-                DVec3::new(-0.2, 0.86, 0.255),
-                DVec3::new(-0.1, 0.885, 0.285),
-                DVec3::new(0.0, 0.892, 0.293),
-                DVec3::new(0.1, 0.885, 0.285),
-                DVec3::new(0.2, 0.86, 0.255),
+                dvec3(-0.2, 0.86, 0.255),
+                dvec3(-0.1, 0.885, 0.285),
+                dvec3(0.0, 0.892, 0.293),
+                dvec3(0.1, 0.885, 0.285),
+                dvec3(0.2, 0.86, 0.255),
             ],
             t,
         )
@@ -63,12 +63,12 @@ fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     tube(builder, palette.wood, thick, rail, |t| 0.012 + 0.01 * t * (1.0 - t));
     for t in [0.06, 0.94] {
         let side = if t < 0.5 { -1.0 } else { 1.0 };
-        let ends = [DVec3::new(side * 0.165, SEAT - 0.005, 0.165), rail(t)];
+        let ends = [dvec3(side * 0.165, SEAT - 0.005, 0.165), rail(t)];
         rod(builder, palette.dark_wood, thick, ends, 0.009);
     }
     for spindle in 1..=6 {
         let share = f64::from(spindle) / 7.0;
-        let ends = [DVec3::new((share - 0.5) * 0.3, SEAT - 0.004, 0.176), rail(0.06 + 0.88 * share)];
+        let ends = [dvec3((share - 0.5) * 0.3, SEAT - 0.004, 0.176), rail(0.06 + 0.88 * share)];
         tube(
             builder,
             palette.dark_wood,

@@ -1,6 +1,6 @@
 //! What fills the corners: a curtain on either side of the window, a potted plant, a ball and a ring on the floor.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec3, dvec2, dvec3};
 
 use super::{MIN, Palette, SUNK};
 use crate::procedural::Detail;
@@ -15,7 +15,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         builder,
         palette.metal,
         detail.tube(12, 12),
-        [DVec3::new(-2.55, 2.52, MIN.z + 0.1), DVec3::new(0.55, 2.52, MIN.z + 0.1)],
+        [dvec3(-2.55, 2.52, MIN.z + 0.1), dvec3(0.55, 2.52, MIN.z + 0.1)],
         0.012,
     );
     for x in [-2.45, 0.45] {
@@ -23,14 +23,14 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
             builder,
             palette.metal,
             detail.tube(8, 2),
-            [DVec3::new(x, 2.519, MIN.z - 0.01), DVec3::new(x, 2.519, MIN.z + 0.1)],
+            [dvec3(x, 2.519, MIN.z - 0.01), dvec3(x, 2.519, MIN.z + 0.1)],
             0.006,
         );
     }
     plant(builder, palette, detail);
     builder.frame = Frame::WORLD;
-    ball(builder, palette.mirror, DVec3::new(-2.3, 0.28 - SUNK, -1.35), 0.28, detail.around(56));
-    torus(builder, palette.shade, detail.ring(14, 40), DVec3::new(0.55, 0.06 - SUNK, 1.75), [0.2, 0.06]);
+    ball(builder, palette.mirror, dvec3(-2.3, 0.28 - SUNK, -1.35), 0.28, detail.around(56));
+    torus(builder, palette.shade, detail.ring(14, 40), dvec3(0.55, 0.06 - SUNK, 1.75), [0.2, 0.06]);
 }
 
 /// A thin folded cloth around `x`: each ring runs along its front and back along its back.
@@ -51,16 +51,16 @@ fn curtain(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64,
         // Front and back meet at the tips.
         let thick = 0.0035 * libm::sqrt((4.0 * along * (1.0 - along)).max(0.0)) * face;
         let sway = 0.012 * sin(2.5 * up + phase);
-        let flat = DVec3::new((along - 0.5) * 0.46, 0.0, fold + thick) * size;
+        let flat = dvec3((along - 0.5) * 0.46, 0.0, fold + thick) * size;
         // Counter-clockwise rings need a stack that goes up.
-        DVec3::new(x + sway, mix(bottom, top, up), MIN.z + 0.1) + flat
+        dvec3(x + sway, mix(bottom, top, up), MIN.z + 0.1) + flat
     };
     builder.rings(palette.cloth, rows + 1, 2 * half_around, &Ends::Pressed, point);
 }
 
 /// A pot with arching leaves, in the corner between the right and the front wall.
 fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    builder.frame = Frame::at(DVec3::new(2.5, 0.0, 1.95));
+    builder.frame = Frame::at(dvec3(2.5, 0.0, 1.95));
     let pot = smooth_profile(
         &[
             [0.0, -SUNK],
@@ -80,15 +80,15 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let leaves = 16;
     for leaf in 0..leaves {
         let heading = TURN * (f64::from(leaf) * 0.382) + random.between(-0.1, 0.1);
-        let out = DVec3::new(cos(heading), 0.0, sin(heading));
-        let side = DVec3::new(-out.z, 0.0, out.x);
+        let out = dvec3(cos(heading), 0.0, sin(heading));
+        let side = dvec3(-out.z, 0.0, out.x);
         let reach = random.between(0.12, 0.34);
         let height = random.between(0.6, 1.05);
         let droop = random.between(0.05, 0.22);
         let path = |t: f64| out * (0.05 + reach * t * t) + DVec3::Y * (0.255 + height * (t - droop * t * t * t * t));
         ribbon(builder, palette.leaf, detail.bend(8, [12, 4]), Some(side), path, |t| {
             let body = sin(TURN / 2.0 * (0.12 + 0.86 * t));
-            DVec2::new(0.004 + 0.03 * body * body, 0.0012 + 0.002 * (1.0 - t))
+            dvec2(0.004 + 0.03 * body * body, 0.0012 + 0.002 * (1.0 - t))
         });
     }
 }

@@ -1,6 +1,6 @@
 //! The pendant lamp: a thin cord that sags from an outlet to a hook over the table, and the shade below it.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{MAX, Palette, TABLE};
 use crate::procedural::Detail;
@@ -11,7 +11,7 @@ use crate::procedural::shapes::{ball, revolve, smooth_profile, straight_profile,
 /// Radius of the power cord in metres.
 const CORD_RADIUS: f64 = 0.003;
 /// Where the cord comes out of the ceiling.
-const OUTLET: DVec3 = DVec3::new(1.35, MAX.y, 1.0);
+const OUTLET: DVec3 = dvec3(1.35, MAX.y, 1.0);
 /// Height of the hook that the cord hangs over.
 const HOOK: f64 = 2.9;
 /// Height at which the cord enters the lamp.
@@ -20,7 +20,7 @@ const NECK: f64 = 1.83;
 const SAG: f64 = 2.1;
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let hook = DVec3::new(TABLE.x, HOOK, TABLE.z);
+    let hook = dvec3(TABLE.x, HOOK, TABLE.z);
     cord(builder, palette, detail, hook);
 
     // The hook is a ring around the cord on a short stem.
@@ -39,7 +39,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 /// From the outlet along a catenary to the hook, then down with the faint wave of a cord that was once coiled.
 fn cord(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec3) {
     let from = OUTLET - DVec3::Y * 0.025;
-    let across = DVec3::new(hook.x - from.x, 0.0, hook.z - from.z);
+    let across = dvec3(hook.x - from.x, 0.0, hook.z - from.z);
     let span = across.length();
     // The lowest point lies where the catenary through both ends has it; found by halving, 60 steps are exact to f64.
     let rise = |low: f64| SAG * (libm::cosh((span - low) / SAG) - libm::cosh(low / SAG));
@@ -62,13 +62,13 @@ fn cord(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec
     let hanging = |t: f64| {
         let wave = 0.006 * t * (1.0 - t);
         let angle = 3.0 * TURN * t;
-        DVec3::new(hook.x + wave * sin(angle), mix(hook.y + 0.002, NECK - 0.01, t), hook.z + wave * cos(angle))
+        dvec3(hook.x + wave * sin(angle), mix(hook.y + 0.002, NECK - 0.01, t), hook.z + wave * cos(angle))
     };
     tube(builder, palette.black, detail.bend(10, [60, 8]), hanging, |_| CORD_RADIUS);
 }
 
 fn shade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    builder.frame = Frame::at(DVec3::new(TABLE.x, NECK, TABLE.z));
+    builder.frame = Frame::at(dvec3(TABLE.x, NECK, TABLE.z));
     let socket = straight_profile(
         &[[0.0, -0.075], [0.018, -0.075], [0.02, -0.01], [0.008, 0.004], [0.0, 0.004]],
         detail.along(2),
@@ -92,5 +92,5 @@ fn shade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         detail.divide(28, 10),
     );
     revolve(builder, palette.shade, detail.around(48), &bell);
-    ball(builder, palette.bulb, DVec3::new(0.0, -0.112, 0.0), 0.042, detail.around(28));
+    ball(builder, palette.bulb, dvec3(0.0, -0.112, 0.0), 0.042, detail.around(28));
 }

@@ -11,7 +11,7 @@ mod shell;
 mod statue;
 mod table;
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::{Built, Detail, NamedPose, cameras, path};
@@ -20,15 +20,15 @@ use super::{Built, Detail, NamedPose, cameras, path};
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 155_892;
 
 /// Least corner of the inside of the room.
-const MIN: DVec3 = DVec3::new(-3.0, 0.0, -2.5);
+const MIN: DVec3 = dvec3(-3.0, 0.0, -2.5);
 /// Greatest corner of the inside of the room.
-const MAX: DVec3 = DVec3::new(3.0, 3.0, 2.5);
+const MAX: DVec3 = dvec3(3.0, 3.0, 2.5);
 /// How deep things are sunk into what they stand on.
 const SUNK: f64 = 0.002;
 /// Middle of the table on the floor.
-const TABLE: DVec3 = DVec3::new(-0.9, 0.0, 0.3);
+const TABLE: DVec3 = dvec3(-0.9, 0.0, 0.3);
 /// Middle of the statue on the floor.
-const STATUE: DVec3 = DVec3::new(1.55, 0.0, -1.35);
+const STATUE: DVec3 = dvec3(1.55, 0.0, -1.35);
 
 palette! {
     wall: [0.78, 0.75, 0.68];

@@ -1,6 +1,6 @@
 //! A shelf against the right wall with books, vases, balls and a knot.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{MAX, Palette, SUNK};
 use crate::procedural::Detail;
@@ -9,21 +9,21 @@ use crate::procedural::math::{Frame, Random, TURN, cos, sin};
 use crate::procedural::shapes::{ball, cuboid, loop_tube, plain_box, revolve, smooth_profile, torus};
 
 /// Width, height and depth in metres.
-const SIZE: DVec3 = DVec3::new(1.5, 1.9, 0.3);
+const SIZE: DVec3 = dvec3(1.5, 1.9, 0.3);
 /// Upper sides of the boards, from the lowest.
 const BOARDS: [f64; 5] = [0.1, 0.55, 0.98, 1.4, 1.885];
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     // In this frame x runs along the wall, z out of it, and the shelf's back is in the plane z = 0.
-    let here = Frame::at(DVec3::new(MAX.x - 0.016, 0.0, -0.35)).yaw(-TURN / 4.0);
+    let here = Frame::at(dvec3(MAX.x - 0.016, 0.0, -0.35)).yaw(-TURN / 4.0);
     builder.frame = here;
     let half = SIZE.x / 2.0;
     for x in [-half, half] {
         cuboid(
             builder,
             palette.wood,
-            DVec3::new(x - 0.012, -SUNK, 0.0),
-            DVec3::new(x + 0.012, SIZE.y, SIZE.z),
+            dvec3(x - 0.012, -SUNK, 0.0),
+            dvec3(x + 0.012, SIZE.y, SIZE.z),
             [1, detail.along(6), 1],
         );
     }
@@ -31,8 +31,8 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         cuboid(
             builder,
             palette.wood,
-            DVec3::new(-half, y - 0.02, 0.003),
-            DVec3::new(half, y, SIZE.z - 0.004),
+            dvec3(-half, y - 0.02, 0.003),
+            dvec3(half, y, SIZE.z - 0.004),
             [detail.along(6), 1, 1],
         );
     }
@@ -64,8 +64,8 @@ fn books(
         let cover = palette.books[random.between(0.0, 5.0) as usize % 5];
         // Leaning to the left needs room for the top on that side, and the lower right edge rises.
         let room = tall * sin(lean);
-        builder.frame = here.shift(DVec3::new(x + room, board - 0.001, random.between(0.02, 0.05))).roll(lean);
-        plain_box(builder, cover, DVec3::ZERO, DVec3::new(thick, tall, deep));
+        builder.frame = here.shift(dvec3(x + room, board - 0.001, random.between(0.02, 0.05))).roll(lean);
+        plain_box(builder, cover, DVec3::ZERO, dvec3(thick, tall, deep));
         x += room + thick / cos(lean) + random.between(0.001, 0.003);
     }
 }
@@ -97,15 +97,15 @@ fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
         (-0.45, 4, 1.3, palette.clay),
     ] {
         let profile: Vec<_> = vase.iter().map(|&point| point * size).collect();
-        builder.frame = here.shift(DVec3::new(x, BOARDS[board], 0.15));
+        builder.frame = here.shift(dvec3(x, BOARDS[board], 0.15));
         revolve(builder, material, detail.around(24), &profile);
     }
     // A trefoil knot.
-    builder.frame = here.shift(DVec3::new(0.05, BOARDS[3] + 0.118, 0.16));
+    builder.frame = here.shift(dvec3(0.05, BOARDS[3] + 0.118, 0.16));
     let knot = |t: f64| {
         let angle = TURN * t;
         let reach = 2.0 + cos(3.0 * angle);
-        DVec3::new(0.034 * reach * cos(2.0 * angle), 0.034 * reach * sin(2.0 * angle), 0.034 * sin(3.0 * angle))
+        dvec3(0.034 * reach * cos(2.0 * angle), 0.034 * reach * sin(2.0 * angle), 0.034 * sin(3.0 * angle))
     };
     loop_tube(builder, palette.mirror, detail.bend(12, [96, 12]), knot, 0.0165);
     builder.frame = here;
@@ -114,7 +114,7 @@ fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
         (0.3, BOARDS[3] + 0.049, 0.05, palette.fruit),
         (0.1, BOARDS[4] + 0.089, 0.09, palette.stone),
     ] {
-        ball(builder, material, DVec3::new(x, y, 0.15), radius, detail.around(24));
+        ball(builder, material, dvec3(x, y, 0.15), radius, detail.around(24));
     }
-    torus(builder, palette.metal, detail.ring(12, 36), DVec3::new(0.45, BOARDS[4] + 0.024, 0.15), [0.09, 0.025]);
+    torus(builder, palette.metal, detail.ring(12, 36), dvec3(0.45, BOARDS[4] + 0.024, 0.15), [0.09, 0.025]);
 }

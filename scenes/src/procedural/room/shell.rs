@@ -1,6 +1,6 @@
 //! Floor, ceiling and walls with a window recess, watertight and seen from inside; skirting, door, window bars, picture.
 
-use glam::DVec3;
+use glam::dvec3;
 
 use super::{MAX, MIN, Palette};
 use crate::procedural::Detail;
@@ -27,9 +27,9 @@ fn walls(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let (ys, hole_y) = divided(&[MIN.y, y0, y1, MAX.y], detail);
     let (zs, _) = divided(&[MIN.z, 0.0, 0.0, MAX.z], detail);
     let solid = |_: usize, _: usize| false;
-    let x_side = |x: f64| move |u: f64, v: f64| DVec3::new(x, u, v);
-    let y_side = |y: f64| move |u: f64, v: f64| DVec3::new(u, y, v);
-    let z_side = |z: f64| move |u: f64, v: f64| DVec3::new(u, v, z);
+    let x_side = |x: f64| move |u: f64, v: f64| dvec3(x, u, v);
+    let y_side = |y: f64| move |u: f64, v: f64| dvec3(u, y, v);
+    let z_side = |z: f64| move |u: f64, v: f64| dvec3(u, v, z);
     // du x dv points inwards: a side whose own cycle points outwards takes its two coordinates the other way round.
     builder.sheet(palette.wall, &ys, &zs, x_side(MIN.x), solid);
     builder.sheet(palette.wall, &zs, &ys, |v, u| x_side(MAX.x)(u, v), solid);
@@ -76,8 +76,8 @@ fn skirting(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         cuboid(
             builder,
             palette.trim,
-            DVec3::new(MIN.x - into, -0.010, near),
-            DVec3::new(MAX.x + into, height, far),
+            dvec3(MIN.x - into, -0.010, near),
+            dvec3(MAX.x + into, height, far),
             [long, 1, 1],
         );
     }
@@ -86,8 +86,8 @@ fn skirting(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         cuboid(
             builder,
             palette.trim,
-            DVec3::new(near, -0.012, MIN.z - 0.03),
-            DVec3::new(far, height, MAX.z + 0.03),
+            dvec3(near, -0.012, MIN.z - 0.03),
+            dvec3(far, height, MAX.z + 0.03),
             [1, 1, long],
         );
     }
@@ -101,8 +101,8 @@ fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         cuboid(
             builder,
             material,
-            DVec3::new(x - half, y0 - sunk, back - z),
-            DVec3::new(x + half, y1 + sunk, back + z),
+            dvec3(x - half, y0 - sunk, back - z),
+            dvec3(x + half, y1 + sunk, back + z),
             [1, detail.along(4), 1],
         );
     };
@@ -113,8 +113,8 @@ fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         cuboid(
             builder,
             palette.trim,
-            DVec3::new(x0 - sunk, y - 0.008, back - 0.010),
-            DVec3::new(x1 + sunk, y + 0.008, back + 0.010),
+            dvec3(x0 - sunk, y - 0.008, back - 0.010),
+            dvec3(x1 + sunk, y + 0.008, back + 0.010),
             [detail.along(6), 1, 1],
         );
     }
@@ -122,8 +122,8 @@ fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     cuboid(
         builder,
         palette.wood,
-        DVec3::new(x0 - 0.06, y0 - 0.03, MIN.z - RECESS - 0.02),
-        DVec3::new(x1 + 0.06, y0 + 0.006, MIN.z + 0.07),
+        dvec3(x0 - 0.06, y0 - 0.03, MIN.z - RECESS - 0.02),
+        dvec3(x1 + 0.06, y0 + 0.006, MIN.z + 0.07),
         [detail.along(6), 1, 1],
     );
 }
@@ -133,7 +133,7 @@ fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 fn door(builder: &mut MeshBuilder, palette: &Palette) {
     let wall = MIN.x;
     let part = |builder: &mut MeshBuilder, material, [z0, z1]: [f64; 2], [y0, y1]: [f64; 2], out: f64| {
-        plain_box(builder, material, DVec3::new(wall - 0.01 - out, y0, z0), DVec3::new(wall + out, y1, z1));
+        plain_box(builder, material, dvec3(wall - 0.01 - out, y0, z0), dvec3(wall + out, y1, z1));
     };
     part(builder, palette.wood, [0.35, 1.25], [-0.02, 2.06], 0.03);
     part(builder, palette.trim, [0.27, 0.36], [-0.03, 2.05], 0.042);
@@ -149,7 +149,7 @@ fn door(builder: &mut MeshBuilder, palette: &Palette) {
 fn picture(builder: &mut MeshBuilder, palette: &Palette) {
     let wall = MAX.x;
     let mut part = |material, [z0, z1]: [f64; 2], [y0, y1]: [f64; 2], out: f64| {
-        plain_box(builder, material, DVec3::new(wall - out, y0, z0), DVec3::new(wall + 0.01 + out, y1, z1));
+        plain_box(builder, material, dvec3(wall - out, y0, z0), dvec3(wall + 0.01 + out, y1, z1));
     };
     part(palette.dark_wood, [0.9, 2.1], [1.2, 2.1], 0.035);
     part(palette.sky, [0.96, 2.04], [1.26, 2.04], 0.038);

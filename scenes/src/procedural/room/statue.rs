@@ -1,6 +1,6 @@
 //! The statue: a robed figure on a plinth, one closed surface of about 100,000 triangles at scale 1.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{Palette, STATUE, SUNK};
 use crate::procedural::Detail;
@@ -48,8 +48,7 @@ fn plinth(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 fn figure(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let around = detail.divide(224, 8);
     let rows = detail.divide(206, 12);
-    let center =
-        |v: f64| DVec3::new(0.022 * sin(TURN * 0.9 * v) - 0.01 * v, HEIGHT * v, 0.035 * sin(TURN * 0.75 * v + 0.4));
+    let center = |v: f64| dvec3(0.022 * sin(TURN * 0.9 * v) - 0.01 * v, HEIGHT * v, 0.035 * sin(TURN * 0.75 * v + 0.4));
     let start = center(0.0);
     let end = center(1.0);
     builder.rings(palette.marble, rows, around, &Ends::Closed(start, end), |ring, at| {
@@ -57,7 +56,7 @@ fn figure(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         let v = ring as f64 / rows as f64;
         let angle = TURN * at as f64 / around as f64;
         let size = radius(v, angle) * proportion(v);
-        center(v) + DVec3::new(size.x * cos(angle), 0.0, -size.y * sin(angle))
+        center(v) + dvec3(size.x * cos(angle), 0.0, -size.y * sin(angle))
     });
 }
 
@@ -94,7 +93,7 @@ fn body(v: f64) -> f64 {
 fn proportion(v: f64) -> DVec2 {
     let broad =
         spline(&[(0.0, 1.0), (0.45, 1.06), (0.68, 1.34), (0.76, 1.15), (0.8, 1.0), (0.86, 0.86), (1.0, 0.9)], v);
-    DVec2::new(1.0 / libm::sqrt(broad), broad)
+    dvec2(1.0 / libm::sqrt(broad), broad)
 }
 
 fn radius(v: f64, angle: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! The table and what lies on it.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{Palette, SUNK, TABLE};
 use crate::procedural::Detail;
@@ -13,20 +13,13 @@ const TOP: f64 = 0.75;
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.frame = Frame::at(TABLE);
-    slab(
-        builder,
-        palette.wood,
-        detail.bend(64, [8, 2]),
-        DVec3::new(0.0, TOP - 0.018, 0.0),
-        DVec3::new(0.85, 0.018, 0.48),
-        7.0,
-    );
+    slab(builder, palette.wood, detail.bend(64, [8, 2]), dvec3(0.0, TOP - 0.018, 0.0), dvec3(0.85, 0.018, 0.48), 7.0);
     for (z, length) in [(-0.36, 0.7), (0.36, 0.7)] {
         cuboid(
             builder,
             palette.dark_wood,
-            DVec3::new(-length, TOP - 0.11, z - 0.011),
-            DVec3::new(length, TOP - 0.02, z + 0.011),
+            dvec3(-length, TOP - 0.11, z - 0.011),
+            dvec3(length, TOP - 0.02, z + 0.011),
             [detail.along(6), 1, 1],
         );
     }
@@ -34,8 +27,8 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         cuboid(
             builder,
             palette.dark_wood,
-            DVec3::new(x - 0.011, TOP - 0.105, -half),
-            DVec3::new(x + 0.011, TOP - 0.022, half),
+            dvec3(x - 0.011, TOP - 0.105, -half),
+            dvec3(x + 0.011, TOP - 0.022, half),
             [1, 1, detail.along(4)],
         );
     }
@@ -52,20 +45,20 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         detail.divide(18, 6),
     );
     for (x, z) in [(-0.7, -0.35), (0.7, -0.352), (-0.702, 0.351), (0.701, 0.35)] {
-        builder.frame = Frame::at(TABLE + DVec3::new(x, 0.0, z));
+        builder.frame = Frame::at(TABLE + dvec3(x, 0.0, z));
         revolve(builder, palette.dark_wood, detail.around(20), &leg);
     }
     bowl(builder, palette, detail);
-    mug(builder, palette, detail, DVec3::new(0.38, 0.0, 0.22), 0.5);
-    mug(builder, palette, detail, DVec3::new(-0.52, 0.0, -0.2), 2.4);
-    glass(builder, palette, detail, DVec3::new(0.5, 0.0, -0.17));
-    builder.frame = Frame::at(TABLE + DVec3::new(-0.42, TOP, 0.2));
-    torus(builder, palette.mirror, detail.ring(16, 40), DVec3::new(0.0, 0.021, 0.0), [0.06, 0.0215]);
+    mug(builder, palette, detail, dvec3(0.38, 0.0, 0.22), 0.5);
+    mug(builder, palette, detail, dvec3(-0.52, 0.0, -0.2), 2.4);
+    glass(builder, palette, detail, dvec3(0.5, 0.0, -0.17));
+    builder.frame = Frame::at(TABLE + dvec3(-0.42, TOP, 0.2));
+    torus(builder, palette.mirror, detail.ring(16, 40), dvec3(0.0, 0.021, 0.0), [0.06, 0.0215]);
     builder.frame = Frame::WORLD;
 }
 
 fn bowl(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let here = Frame::at(TABLE + DVec3::new(0.02, TOP, 0.0));
+    let here = Frame::at(TABLE + dvec3(0.02, TOP, 0.0));
     builder.frame = here;
     let profile = smooth_profile(
         &[
@@ -90,7 +83,7 @@ fn bowl(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         (-0.005, 0.057, -0.052, 0.039),
         (0.0, 0.12, 0.0, 0.04),
     ] {
-        ball(builder, palette.fruit, DVec3::new(x, y, z), radius, detail.around(16));
+        ball(builder, palette.fruit, dvec3(x, y, z), radius, detail.around(16));
     }
 }
 
@@ -114,7 +107,7 @@ fn mug(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, at: DVec3, 
     revolve(builder, palette.clay, detail.around(24), &profile);
     let handle = |t: f64| {
         let angle = mix(-0.24, 0.24, t) * TURN;
-        DVec3::new(0.0395 + 0.026 * cos(angle), 0.048 + 0.03 * sin(angle), 0.0)
+        dvec3(0.0395 + 0.026 * cos(angle), 0.048 + 0.03 * sin(angle), 0.0)
     };
     tube(builder, palette.clay, detail.bend(8, [14, 4]), handle, |_| 0.0045);
 }

@@ -1,6 +1,6 @@
 //! The forge with its hood, fire and bellows; anvil and stump; trough, grindstone, and what lies around them.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{HEIGHT, Palette, SUNK, tools};
 use crate::procedural::Detail;
@@ -11,9 +11,9 @@ use crate::procedural::parts::{beam, hoop, outline};
 use crate::procedural::shapes::{ball, cuboid, revolve, ribbon, rod, slab, smooth_profile, tube};
 
 /// Middle of the hearth on the floor.
-const HEARTH: DVec3 = DVec3::new(-3.6, 0.0, -2.6);
+const HEARTH: DVec3 = dvec3(-3.6, 0.0, -2.6);
 /// Middle of the anvil's stump on the floor.
-const ANVIL: DVec3 = DVec3::new(-1.7, 0.0, -1.3);
+const ANVIL: DVec3 = dvec3(-1.7, 0.0, -1.3);
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.object("hearth");
@@ -36,27 +36,27 @@ fn hearth(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     builder.frame = Frame::at(HEARTH);
     let two = detail.along(2);
     let mut random = Random(15);
-    cuboid(builder, palette.brick, DVec3::new(-1.0, -SUNK, -0.8), DVec3::new(1.0, 0.8, 0.8), [two, two, two]);
+    cuboid(builder, palette.brick, dvec3(-1.0, -SUNK, -0.8), dvec3(1.0, 0.8, 0.8), [two, two, two]);
     for course in 0..6 {
         let y = 0.02 + 0.13 * f64::from(course);
         for brick in 0..8 {
             let x = -1.01 + 0.25 * f64::from(brick) + 0.06 * f64::from(course % 2);
             let out = random.between(0.012, 0.03);
-            let min = DVec3::new(x, y, 0.7);
-            cuboid(builder, palette.brick, min, DVec3::new(x + 0.23, y + 0.115, 0.8 + out), [two, two, two]);
+            let min = dvec3(x, y, 0.7);
+            cuboid(builder, palette.brick, min, dvec3(x + 0.23, y + 0.115, 0.8 + out), [two, two, two]);
         }
     }
-    let (inner, outer) = (DVec2::new(0.55, 0.42), DVec2::new(0.82, 0.66));
+    let (inner, outer) = (dvec2(0.55, 0.42), dvec2(0.82, 0.66));
     border(builder, palette.stone, [detail.along(4), two, two], [inner, outer], [0.76, 0.95]);
     for coal in 0..90 {
         let (x, z) = (random.between(-0.5, 0.5), random.between(-0.37, 0.37));
         let y = 0.82 + 0.12 * (1.0 - x * x * 4.0) * random.between(0.2, 1.0);
         let material = if coal % 3 == 0 { palette.ember } else { palette.coal };
-        ball(builder, material, DVec3::new(x, y, z), random.between(0.03, 0.055), detail.around(8));
+        ball(builder, material, dvec3(x, y, z), random.between(0.03, 0.055), detail.around(8));
     }
     for bar in 0..4 {
-        let from = DVec3::new(-0.2 + 0.15 * f64::from(bar), 0.92, 0.1);
-        let to = from + DVec3::new(random.between(0.1, 0.5), random.between(0.06, 0.12), 0.95);
+        let from = dvec3(-0.2 + 0.15 * f64::from(bar), 0.92, 0.1);
+        let to = from + dvec3(random.between(0.1, 0.5), random.between(0.06, 0.12), 0.95);
         rod(builder, palette.iron, detail.tube(8, 8), [from, to], 0.014);
     }
 }
@@ -75,43 +75,43 @@ fn hood(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let flat = outline(&corners, &[side]);
     builder.rings(palette.iron, flat.len(), section.len(), &Ends::Looped, |ring, at| {
         let [x, z, y] = section[section.len() - 1 - at];
-        DVec3::new(flat[ring].x * x, y, flat[ring].y * z)
+        dvec3(flat[ring].x * x, y, flat[ring].y * z)
     });
     for (x, z) in [(-0.95, 0.75), (0.95, 0.75)] {
-        let ends = [DVec3::new(x, 0.75, z), DVec3::new(x, 2.0, z)];
+        let ends = [dvec3(x, 0.75, z), dvec3(x, 2.0, z)];
         rod(builder, palette.iron, detail.tube(10, 8), ends, 0.025);
     }
 }
 
 /// Two boards, a pleated leather between them, a nozzle into the fire, on a trestle.
 fn bellows(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    builder.frame = Frame::at(HEARTH + DVec3::new(1.75, 0.95, 0.15)).yaw(0.1);
+    builder.frame = Frame::at(HEARTH + dvec3(1.75, 0.95, 0.15)).yaw(0.1);
     let shape = detail.bend(32, [5, 2]);
     for (y, wide) in [(-0.2, 0.33), (0.22, 0.34)] {
-        slab(builder, palette.wood, shape, DVec3::new(0.1, y, 0.0), DVec3::new(0.55, 0.022, wide), 3.0);
+        slab(builder, palette.wood, shape, dvec3(0.1, y, 0.0), dvec3(0.55, 0.022, wide), 3.0);
     }
     let rows = detail.divide(24, 6);
     let around = detail.around(36);
-    let ends = Ends::Closed(DVec3::new(0.1, -0.19, 0.0), DVec3::new(0.1, 0.21, 0.0));
+    let ends = Ends::Closed(dvec3(0.1, -0.19, 0.0), dvec3(0.1, 0.21, 0.0));
     builder.rings(palette.leather, rows + 1, around, &ends, |ring, at| {
         let (up, angle) = (ring as f64 / rows as f64, TURN * at as f64 / around as f64);
         let pleat = 0.86 + 0.07 * sin(TURN * 3.0 * up);
-        DVec3::new(0.1 + 0.52 * pleat * cos(angle), mix(-0.19, 0.21, up), -0.31 * pleat * sin(angle))
+        dvec3(0.1 + 0.52 * pleat * cos(angle), mix(-0.19, 0.21, up), -0.31 * pleat * sin(angle))
     });
     tube(
         builder,
         palette.copper,
         detail.bend(14, [10, 3]),
-        |t| DVec3::new(mix(-0.4, -1.15, t), -0.02 * t, 0.0),
+        |t| dvec3(mix(-0.4, -1.15, t), -0.02 * t, 0.0),
         |t| mix(0.07, 0.03, t),
     );
     for x in [-0.25, 0.45] {
         for z in [-0.25, 0.25] {
-            let ends = [DVec3::new(x * 1.1, -0.95 - SUNK, z * 1.2), DVec3::new(x, -0.18, z)];
+            let ends = [dvec3(x * 1.1, -0.95 - SUNK, z * 1.2), dvec3(x, -0.18, z)];
             beam(builder, palette.dark_wood, detail.sides([2, 4]), ends, [0.035, 0.035], DVec3::X);
         }
     }
-    let handle = [DVec3::new(0.6, 0.23, 0.0), DVec3::new(1.15, 0.4, 0.0)];
+    let handle = [dvec3(0.6, 0.23, 0.0), dvec3(1.15, 0.4, 0.0)];
     rod(builder, palette.wood, detail.tube(10, 6), handle, 0.025);
 }
 
@@ -134,42 +134,42 @@ fn anvil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     }
     let two = detail.along(2);
     let block = |builder: &mut MeshBuilder, [x, z]: [f64; 2], [y0, y1]: [f64; 2]| {
-        cuboid(builder, palette.steel, DVec3::new(-x, y0, -z), DVec3::new(x, y1, z), [two, two, two]);
+        cuboid(builder, palette.steel, dvec3(-x, y0, -z), dvec3(x, y1, z), [two, two, two]);
     };
     block(builder, [0.2, 0.12], [0.55, 0.62]);
     block(builder, [0.11, 0.06], [0.61, 0.74]);
     block(builder, [0.24, 0.075], [0.73, 0.85]);
-    let horn = |t: f64| DVec3::new(mix(0.2, 0.52, t), 0.79 + 0.035 * t, 0.0);
+    let horn = |t: f64| dvec3(mix(0.2, 0.52, t), 0.79 + 0.035 * t, 0.0);
     ribbon(builder, palette.polished, detail.bend(20, [20, 4]), Some(DVec3::Z), horn, |t| {
-        DVec2::new(0.065, 0.055) * libm::sqrt(1.0 - 0.98 * t)
+        dvec2(0.065, 0.055) * libm::sqrt(1.0 - 0.98 * t)
     });
-    builder.frame = here.shift(DVec3::new(-0.1, 0.868, -0.2)).pitch(-TURN / 4.0).yaw(0.2);
+    builder.frame = here.shift(dvec3(-0.1, 0.868, -0.2)).pitch(-TURN / 4.0).yaw(0.2);
     tools::hammer(builder, palette, detail, 0.36);
 }
 
 /// A stone trough with water in it and tongs over its rim.
 fn trough(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let here = Frame::at(DVec3::new(-0.4, 0.0, -2.9)).yaw(0.06);
+    let here = Frame::at(dvec3(-0.4, 0.0, -2.9)).yaw(0.06);
     builder.frame = here;
     let two = detail.along(2);
     border(
         builder,
         palette.stone,
         [detail.along(6), two, detail.along(4)],
-        [DVec2::new(0.55, 0.22), DVec2::new(0.68, 0.34)],
+        [dvec2(0.55, 0.22), dvec2(0.68, 0.34)],
         [-SUNK, 0.55],
     );
-    cuboid(builder, palette.stone, DVec3::new(-0.6, -0.004, -0.28), DVec3::new(0.6, 0.1, 0.28), [two, two, two]);
-    cuboid(builder, palette.water, DVec3::new(-0.58, 0.09, -0.26), DVec3::new(0.58, 0.44, 0.26), [two, two, two]);
+    cuboid(builder, palette.stone, dvec3(-0.6, -0.004, -0.28), dvec3(0.6, 0.1, 0.28), [two, two, two]);
+    cuboid(builder, palette.water, dvec3(-0.58, 0.09, -0.26), dvec3(0.58, 0.44, 0.26), [two, two, two]);
     for tool in 0..4 {
-        builder.frame = here.shift(DVec3::new(-0.4 + 0.27 * f64::from(tool), 0.95, 0.3)).pitch(0.55);
+        builder.frame = here.shift(dvec3(-0.4 + 0.27 * f64::from(tool), 0.95, 0.3)).pitch(0.55);
         tools::tongs(builder, palette, detail, 0.62);
     }
 }
 
 /// A stone wheel with a crank between two trestles, over a box.
 fn grindstone(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let here = Frame::at(DVec3::new(1.5, 0.0, 0.1)).yaw(0.7);
+    let here = Frame::at(dvec3(1.5, 0.0, 0.1)).yaw(0.7);
     builder.frame = here.shift(DVec3::Y * 0.8).pitch(TURN / 4.0);
     let profile = smooth_profile(
         &[[0.0, -0.07], [0.36, -0.065], [0.4, -0.05], [0.405, 0.0], [0.4, 0.05], [0.36, 0.065], [0.0, 0.07]],
@@ -177,18 +177,18 @@ fn grindstone(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     );
     revolve(builder, palette.stone, detail.around(56), &profile);
     builder.frame = here;
-    let axle = [DVec3::new(0.0, 0.8, -0.3), DVec3::new(0.0, 0.8, 0.36)];
+    let axle = [dvec3(0.0, 0.8, -0.3), dvec3(0.0, 0.8, 0.36)];
     rod(builder, palette.iron, detail.tube(12, 6), axle, 0.02);
-    let crank = [DVec3::new(0.0, 0.8, 0.34), DVec3::new(0.16, 0.66, 0.345)];
+    let crank = [dvec3(0.0, 0.8, 0.34), dvec3(0.16, 0.66, 0.345)];
     rod(builder, palette.iron, detail.tube(10, 4), crank, 0.016);
-    let grip = [DVec3::new(0.15, 0.665, 0.33), DVec3::new(0.15, 0.665, 0.5)];
+    let grip = [dvec3(0.15, 0.665, 0.33), dvec3(0.15, 0.665, 0.5)];
     rod(builder, palette.wood, detail.tube(12, 4), grip, 0.02);
     for z in [-0.18, 0.18] {
         for x in [-0.35, 0.35] {
-            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(0.1 * x, 0.84, z * 0.98)];
+            let ends = [dvec3(x, -SUNK, z), dvec3(0.1 * x, 0.84, z * 0.98)];
             beam(builder, palette.wood, detail.sides([2, 6]), ends, [0.03, 0.03], DVec3::Z);
         }
     }
     builder.frame = here.shift(DVec3::Y * 0.1);
-    tools::open_box(builder, palette.dark_wood, detail, DVec3::new(0.7, 0.3, 0.26));
+    tools::open_box(builder, palette.dark_wood, detail, dvec3(0.7, 0.3, 0.26));
 }

@@ -1,6 +1,6 @@
 //! Thick walls, a floor of flagstones, panelling, posts, beams and boards under the ceiling.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::{HALF, HEIGHT, Palette};
 use crate::procedural::Detail;
@@ -14,7 +14,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     inside(builder, palette.wall, detail);
     let [x, z] = HALF.map(|half| half + 0.35);
     let around = detail.sides([10, 6, 10]);
-    cuboid(builder, palette.stone, DVec3::new(-x, -0.4, -z), DVec3::new(x, HEIGHT + 0.35, z), around);
+    cuboid(builder, palette.stone, dvec3(-x, -0.4, -z), dvec3(x, HEIGHT + 0.35, z), around);
     builder.object("flagstones");
     flagstones(builder, palette);
     builder.object("panelling");
@@ -30,12 +30,12 @@ fn inside(builder: &mut MeshBuilder, material: MaterialId, detail: Detail) {
     let ys = steps(0.0, HEIGHT, detail.along(8));
     let solid = |_: usize, _: usize| false;
     // du x dv points inwards.
-    builder.sheet(material, &ys, &zs, |v, u| DVec3::new(-x, v, u), solid);
-    builder.sheet(material, &zs, &ys, |u, v| DVec3::new(x, v, u), solid);
-    builder.sheet(material, &xs, &ys, |u, v| DVec3::new(u, v, -z), solid);
-    builder.sheet(material, &ys, &xs, |v, u| DVec3::new(u, v, z), solid);
-    builder.sheet(material, &zs, &xs, |v, u| DVec3::new(u, 0.0, v), solid);
-    builder.sheet(material, &xs, &zs, |u, v| DVec3::new(u, HEIGHT, v), solid);
+    builder.sheet(material, &ys, &zs, |v, u| dvec3(-x, v, u), solid);
+    builder.sheet(material, &zs, &ys, |u, v| dvec3(x, v, u), solid);
+    builder.sheet(material, &xs, &ys, |u, v| dvec3(u, v, -z), solid);
+    builder.sheet(material, &ys, &xs, |v, u| dvec3(u, v, z), solid);
+    builder.sheet(material, &zs, &xs, |v, u| dvec3(u, 0.0, v), solid);
+    builder.sheet(material, &xs, &zs, |u, v| dvec3(u, HEIGHT, v), solid);
 }
 
 /// Stones of different widths in rows, with joints between them and not all equally high.
@@ -51,7 +51,7 @@ fn flagstones(builder: &mut MeshBuilder, palette: &Palette) {
             let wide = random.between(0.7, 1.2);
             let end = if x + wide > half_x - 0.5 { half_x } else { x + wide };
             let top = random.between(0.008, 0.016);
-            let [low, high] = [DVec3::new(x + 0.008, -0.05, z + 0.008), DVec3::new(end - 0.008, top, z + deep - 0.008)];
+            let [low, high] = [dvec3(x + 0.008, -0.05, z + 0.008), dvec3(end - 0.008, top, z + deep - 0.008)];
             plain_box(builder, palette.stone, low, high);
             x = end;
         }
@@ -71,10 +71,8 @@ fn panelling(builder: &mut MeshBuilder, palette: &Palette) {
             let thick = random.between(0.015, 0.03);
             let high = random.between(2.75, 2.85);
             let material = if random.between(0.0, 1.0) < 0.5 { palette.board } else { palette.wood };
-            let (min, max) = (
-                DVec3::new(x + 0.006, -0.03 - 0.004 * f64::from(turn), -thick),
-                DVec3::new(x + wide - 0.006, high, thick),
-            );
+            let (min, max) =
+                (dvec3(x + 0.006, -0.03 - 0.004 * f64::from(turn), -thick), dvec3(x + wide - 0.006, high, thick));
             plain_box(builder, material, min, max);
         }
     }
@@ -88,25 +86,25 @@ fn beams(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let [half_x, half_z] = HALF;
     for at in 0..5 {
         let x = -4.4 + 2.2 * f64::from(at);
-        let across = [DVec3::new(x, 3.45, -half_z - 0.06), DVec3::new(x, 3.45, half_z + 0.06)];
+        let across = [dvec3(x, 3.45, -half_z - 0.06), dvec3(x, 3.45, half_z + 0.06)];
         beam(builder, palette.dark_wood, divisions, across, [0.13, 0.1], DVec3::Y);
         for face in [-1.0, 1.0] {
             let z = face * (half_z - 0.08);
-            let post = [DVec3::new(x + 0.005, -0.02, z), DVec3::new(x + 0.005, 3.4, z)];
+            let post = [dvec3(x + 0.005, -0.02, z), dvec3(x + 0.005, 3.4, z)];
             beam(builder, palette.dark_wood, divisions, post, [0.09, 0.1], DVec3::X);
-            let brace = [DVec3::new(x, 2.5, face * (half_z - 0.15)), DVec3::new(x, 3.38, face * (half_z - 1.0))];
+            let brace = [dvec3(x, 2.5, face * (half_z - 0.15)), dvec3(x, 3.38, face * (half_z - 1.0))];
             beam(builder, palette.dark_wood, divisions, brace, [0.05, 0.07], DVec3::X);
         }
     }
     for at in 0..7 {
         let z = -3.6 + 1.2 * f64::from(at);
-        let along = [DVec3::new(-half_x - 0.08, 3.65, z), DVec3::new(half_x + 0.08, 3.65, z)];
+        let along = [dvec3(-half_x - 0.08, 3.65, z), dvec3(half_x + 0.08, 3.65, z)];
         beam(builder, palette.wood, divisions, along, [0.1, 0.06], DVec3::Y);
     }
     for at in 0..33 {
         let x = -4.95 + 0.3 * f64::from(at);
         let y = 3.765 + random.between(0.0, 0.01);
-        let min = DVec3::new(x + 0.008, y, -half_z - random.between(0.03, 0.09));
-        plain_box(builder, palette.board, min, DVec3::new(x + 0.292, y + 0.03, half_z + random.between(0.03, 0.09)));
+        let min = dvec3(x + 0.008, y, -half_z - random.between(0.03, 0.09));
+        plain_box(builder, palette.board, min, dvec3(x + 0.292, y + 0.03, half_z + random.between(0.03, 0.09)));
     }
 }

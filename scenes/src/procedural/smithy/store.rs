@@ -1,6 +1,6 @@
 //! What stands on the floor and lies on benches and shelves: barrels, crates, wheels, vessels within vessels.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec3, dvec2, dvec3};
 
 use super::{HALF, Palette, SUNK, tools};
 use crate::procedural::Detail;
@@ -20,18 +20,18 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
             .enumerate()
     {
         builder.object(format!("shelf {number}"));
-        shelf(builder, palette, detail, Frame::at(DVec3::new(x, 0.0, z)).yaw(turn), number as u64);
+        shelf(builder, palette, detail, Frame::at(dvec3(x, 0.0, z)).yaw(turn), number as u64);
     }
     for (number, (x, z, long)) in [(-1.4, HALF[1] - 0.55, 2.8), (1.9, HALF[1] - 0.52, 2.2)].into_iter().enumerate() {
         builder.object(format!("bench {number}"));
-        bench(builder, palette, detail, Frame::at(DVec3::new(x, 0.0, z)), long, number as u64);
+        bench(builder, palette, detail, Frame::at(dvec3(x, 0.0, z)), long, number as u64);
     }
     builder.object("table");
-    bench(builder, palette, detail, Frame::at(DVec3::new(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
+    bench(builder, palette, detail, Frame::at(dvec3(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
     builder.object("ladder");
     builder.frame = Frame::WORLD;
-    let ends = [DVec3::new(-2.6, -SUNK, 2.2), DVec3::new(-3.1, 3.4, 3.3)];
-    ladder(builder, palette.wood, detail, ends, DVec3::new(0.25, 0.0, 0.11), 11);
+    let ends = [dvec3(-2.6, -SUNK, 2.2), dvec3(-3.1, 3.4, 3.3)];
+    ladder(builder, palette.wood, detail, ends, dvec3(0.25, 0.0, 0.11), 11);
 }
 
 /// Closed ones with sacks on them, open ones full of rods, swords and handles.
@@ -52,14 +52,14 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     ];
     for (number, (x, z, open)) in places.into_iter().enumerate() {
         builder.object(format!("barrel {number}"));
-        let here = Frame::at(DVec3::new(x, -SUNK, z)).yaw(random.between(0.0, TURN));
+        let here = Frame::at(dvec3(x, -SUNK, z)).yaw(random.between(0.0, TURN));
         builder.frame = here;
         let size = [random.between(0.27, 0.32), random.between(0.75, 0.92)];
         barrel(builder, [palette.wood, palette.iron], detail, size, open);
         if open {
             for stick in 0..9 {
                 let angle = TURN * (f64::from(stick) + random.between(-0.3, 0.3)) / 9.0;
-                let out = DVec3::new(cos(angle), 0.0, sin(angle));
+                let out = dvec3(cos(angle), 0.0, sin(angle));
                 let away = size[0] * random.between(0.2, 0.55);
                 let foot = out * (away * 0.7) + DVec3::Y * 0.06;
                 let high = size[1] + random.between(0.2, 0.65);
@@ -97,25 +97,22 @@ fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         builder.object(format!("crates {number}"));
         let mut y = -SUNK;
         for level in 0..high {
-            let size = DVec3::new(0.72, 0.56, 0.68) * (1.0 - 0.08 * f64::from(level)) * random.between(0.9, 1.05);
-            builder.frame = Frame::at(DVec3::new(x, y, z)).yaw(random.between(-0.2, 0.2));
+            let size = dvec3(0.72, 0.56, 0.68) * (1.0 - 0.08 * f64::from(level)) * random.between(0.9, 1.05);
+            builder.frame = Frame::at(dvec3(x, y, z)).yaw(random.between(-0.2, 0.2));
             plank_crate(builder, [palette.board, palette.dark_wood], detail, size);
             y += size.y - 0.005;
         }
-        let here = Frame::at(DVec3::new(x, y, z)).yaw(random.between(-0.3, 0.3));
+        let here = Frame::at(dvec3(x, y, z)).yaw(random.between(-0.3, 0.3));
         builder.frame = here;
-        tools::open_box(builder, palette.wood, detail, DVec3::new(0.52, 0.3, 0.46));
-        builder.frame = here.shift(DVec3::new(-0.08, 0.011, 0.0)).yaw(0.1);
-        tools::open_box(builder, palette.board, detail, DVec3::new(0.26, 0.22, 0.3));
-        builder.frame = here.shift(DVec3::new(-0.08, 0.021, 0.0));
-        tools::pot(builder, palette.clay, detail, DVec2::new(0.09, 0.24));
+        tools::open_box(builder, palette.wood, detail, dvec3(0.52, 0.3, 0.46));
+        builder.frame = here.shift(dvec3(-0.08, 0.011, 0.0)).yaw(0.1);
+        tools::open_box(builder, palette.board, detail, dvec3(0.26, 0.22, 0.3));
+        builder.frame = here.shift(dvec3(-0.08, 0.021, 0.0));
+        tools::pot(builder, palette.clay, detail, dvec2(0.09, 0.24));
         builder.frame = here;
         for shot in 0..7 {
-            let at = DVec3::new(
-                0.15 + random.between(-0.05, 0.05),
-                0.05 + 0.045 * f64::from(shot),
-                random.between(-0.13, 0.13),
-            );
+            let at =
+                dvec3(0.15 + random.between(-0.05, 0.05), 0.05 + 0.045 * f64::from(shot), random.between(-0.13, 0.13));
             ball(builder, palette.iron, at, 0.042, detail.around(10));
         }
     }
@@ -124,12 +121,12 @@ fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 /// Wagon wheels that lean against each other and the walls, one lying on a trestle of crates.
 fn wheels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let places = [
-        (DVec3::new(4.75, 0.52, 0.0), TURN / 4.0, -1.35, 0.55),
-        (DVec3::new(4.55, 0.48, 0.05), TURN / 4.0, -1.3, 0.5),
-        (DVec3::new(-4.75, 0.55, -1.5), -TURN / 4.0, -1.4, 0.58),
-        (DVec3::new(2.9, 0.5, 3.55), 0.1, 1.35, 0.52),
-        (DVec3::new(-0.2, 0.42, 0.55), 0.5, 1.15, 0.46),
-        (DVec3::new(1.9, 0.45, 3.0), -0.3, 1.2, 0.5),
+        (dvec3(4.75, 0.52, 0.0), TURN / 4.0, -1.35, 0.55),
+        (dvec3(4.55, 0.48, 0.05), TURN / 4.0, -1.3, 0.5),
+        (dvec3(-4.75, 0.55, -1.5), -TURN / 4.0, -1.4, 0.58),
+        (dvec3(2.9, 0.5, 3.55), 0.1, 1.35, 0.52),
+        (dvec3(-0.2, 0.42, 0.55), 0.5, 1.15, 0.46),
+        (dvec3(1.9, 0.45, 3.0), -0.3, 1.2, 0.5),
     ];
     for (number, (at, turn, lean, radius)) in places.into_iter().enumerate() {
         builder.object(format!("wheel {number}"));
@@ -146,22 +143,21 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
     builder.frame = here;
     for x in [-half, half] {
         for z in [-0.275, 0.275] {
-            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(x, 2.55, z)];
+            let ends = [dvec3(x, -SUNK, z), dvec3(x, 2.55, z)];
             beam(builder, palette.dark_wood, [two, detail.along(6)], ends, [0.03, 0.03], DVec3::X);
         }
     }
     for level in 0..5 {
         let y = 0.14 + 0.55 * f64::from(level);
         builder.frame = here;
-        let min = DVec3::new(-half - 0.02, y - 0.03, -0.285);
-        cuboid(builder, palette.board, min, DVec3::new(half + 0.02, y, 0.285), [detail.along(6), two, two]);
+        let min = dvec3(-half - 0.02, y - 0.03, -0.285);
+        cuboid(builder, palette.board, min, dvec3(half + 0.02, y, 0.285), [detail.along(6), two, two]);
         let mut x = -half + 0.05;
         while x < half - 0.3 {
             let kind = random.between(0.0, 1.0);
             let radius = random.between(0.11, 0.15);
-            let place = here
-                .shift(DVec3::new(x + radius, y - 0.002, random.between(-0.08, 0.08)))
-                .yaw(random.between(0.0, TURN));
+            let place =
+                here.shift(dvec3(x + radius, y - 0.002, random.between(-0.08, 0.08))).yaw(random.between(0.0, TURN));
             builder.frame = place;
             if kind < 0.55 {
                 let high = random.between(0.26, 0.42);
@@ -170,7 +166,7 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
                     let share = 1.0 - 0.27 * f64::from(nested);
                     builder.frame = place.shift(DVec3::Y * (0.06 * high * f64::from(nested)));
                     let material = materials[(seed as usize + nested as usize + level as usize) % 3];
-                    tools::pot(builder, material, detail, DVec2::new(radius, high) * share);
+                    tools::pot(builder, material, detail, dvec2(radius, high) * share);
                 }
             } else if kind < 0.7 {
                 tools::bucket(builder, palette, detail, 0.75);
@@ -178,9 +174,9 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
                 tools::coil(builder, palette, detail, radius * 0.85);
             } else {
                 builder.frame = place.shift(DVec3::ZERO).yaw(0.0);
-                tools::open_box(builder, palette.wood, detail, DVec3::new(radius * 1.3, 0.2, radius * 1.3));
+                tools::open_box(builder, palette.wood, detail, dvec3(radius * 1.3, 0.2, radius * 1.3));
                 for shot in 0..4 {
-                    let at = DVec3::new(0.0, 0.05 + 0.06 * f64::from(shot), 0.02 * f64::from(shot % 2));
+                    let at = dvec3(0.0, 0.05 + 0.06 * f64::from(shot), 0.02 * f64::from(shot % 2));
                     ball(builder, palette.polished, at, 0.038, detail.around(12));
                 }
             }
@@ -196,49 +192,49 @@ fn bench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
     let half = long / 2.0;
     builder.frame = here;
     let board = |builder: &mut MeshBuilder, y: f64, thick: f64, deep: f64| {
-        let min = DVec3::new(-half, y - thick, -deep);
-        cuboid(builder, palette.wood, min, DVec3::new(half, y, deep), [detail.along(8), two, two]);
+        let min = dvec3(-half, y - thick, -deep);
+        cuboid(builder, palette.wood, min, dvec3(half, y, deep), [detail.along(8), two, two]);
     };
     board(builder, 0.9, 0.06, 0.4);
     board(builder, 0.26, 0.03, 0.375);
     for x in [-half + 0.1, half - 0.1] {
         for z in [-0.33, 0.33] {
-            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(x, 0.87, z)];
+            let ends = [dvec3(x, -SUNK, z), dvec3(x, 0.87, z)];
             beam(builder, palette.dark_wood, [two, detail.along(4)], ends, [0.045, 0.05], DVec3::X);
         }
     }
     let count = libm::round(long / 0.32) as usize;
     for thing in 0..count {
         let x = -half + long * (thing as f64 + 0.5) / count as f64;
-        let place = here.shift(DVec3::new(x, 0.9, random.between(-0.1, 0.1)));
+        let place = here.shift(dvec3(x, 0.9, random.between(-0.1, 0.1)));
         let turn = random.between(-0.5, 0.5);
         match thing % 4 {
             0 => {
-                builder.frame = place.shift(DVec3::new(0.0, 0.028, -0.2)).yaw(turn).pitch(-TURN / 4.0).yaw(TURN / 4.0);
+                builder.frame = place.shift(dvec3(0.0, 0.028, -0.2)).yaw(turn).pitch(-TURN / 4.0).yaw(TURN / 4.0);
                 tools::hammer(builder, palette, detail, 0.38);
             }
             1 => {
                 builder.frame = place.shift(DVec3::Y * -0.002);
-                tools::pot(builder, palette.copper, detail, DVec2::new(0.12, 0.22));
+                tools::pot(builder, palette.copper, detail, dvec2(0.12, 0.22));
                 builder.frame = place.shift(DVec3::Y * 0.012);
-                tools::pot(builder, palette.glaze, detail, DVec2::new(0.08, 0.26));
+                tools::pot(builder, palette.glaze, detail, dvec2(0.08, 0.26));
             }
             2 => {
-                builder.frame = place.shift(DVec3::new(0.0, 0.012, -0.28)).yaw(turn).pitch(-TURN / 4.0);
+                builder.frame = place.shift(dvec3(0.0, 0.012, -0.28)).yaw(turn).pitch(-TURN / 4.0);
                 tools::tongs(builder, palette, detail, 0.55);
             }
             _ => {
                 builder.frame = place.shift(DVec3::Y * -0.006).yaw(turn);
-                tools::open_box(builder, palette.board, detail, DVec3::new(0.24, 0.16, 0.3));
+                tools::open_box(builder, palette.board, detail, dvec3(0.24, 0.16, 0.3));
                 for shoe in 0..4 {
                     builder.frame = place
-                        .shift(DVec3::new(-0.06 + 0.04 * f64::from(shoe), 0.18, 0.0))
+                        .shift(dvec3(-0.06 + 0.04 * f64::from(shoe), 0.18, 0.0))
                         .yaw(TURN / 4.0 + 0.2 * f64::from(shoe));
                     tools::horseshoe(builder, palette, detail);
                 }
             }
         }
-        builder.frame = here.shift(DVec3::new(x, 0.257, random.between(-0.06, 0.06))).yaw(random.between(0.0, TURN));
+        builder.frame = here.shift(dvec3(x, 0.257, random.between(-0.06, 0.06))).yaw(random.between(0.0, TURN));
         match thing % 3 {
             0 => tools::bucket(builder, palette, detail, 0.8),
             1 => tools::sack(builder, palette, detail, 0.55),

@@ -1,6 +1,6 @@
 //! Tools and vessels, each around its frame's origin.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::Palette;
 use crate::procedural::Detail;
@@ -12,7 +12,7 @@ use crate::procedural::shapes::{cuboid, loop_tube, revolve, ribbon, rod, slab, s
 pub(super) fn hammer(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64) {
     let handle = |t: f64| DVec3::Y * (-long * t);
     tube(builder, palette.wood, detail.bend(8, [6, 2]), handle, |t| 0.014 + 0.006 * sin(3.0 * t));
-    let head = |t: f64| DVec3::new(mix(-0.09, 0.09, t), -long + 0.03, 0.0);
+    let head = |t: f64| dvec3(mix(-0.09, 0.09, t), -long + 0.03, 0.0);
     let size = |t: f64| DVec2::splat(0.03 + 0.012 * (2.0 * t - 1.0) * (2.0 * t - 1.0));
     ribbon(builder, palette.iron, detail.bend(12, [6, 2]), Some(DVec3::Z), head, size);
 }
@@ -21,18 +21,18 @@ pub(super) fn hammer(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
 pub(super) fn tongs(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64) {
     for face in [-1.0, 1.0] {
         let knots = [
-            DVec3::new(0.045 * face, 0.0, 0.008 * face),
-            DVec3::new(0.06 * face, -0.3 * long, 0.008 * face),
-            DVec3::new(0.02 * face, -0.66 * long, 0.009 * face),
-            DVec3::new(-0.035 * face, -0.8 * long, 0.009 * face),
-            DVec3::new(-0.04 * face, -0.92 * long, 0.006 * face),
-            DVec3::new(-0.006 * face, -long, 0.004 * face),
+            dvec3(0.045 * face, 0.0, 0.008 * face),
+            dvec3(0.06 * face, -0.3 * long, 0.008 * face),
+            dvec3(0.02 * face, -0.66 * long, 0.009 * face),
+            dvec3(-0.035 * face, -0.8 * long, 0.009 * face),
+            dvec3(-0.04 * face, -0.92 * long, 0.006 * face),
+            dvec3(-0.006 * face, -long, 0.004 * face),
         ];
         let path = |t: f64| curve(&knots, t);
         let size = |t: f64| 0.009 - 0.003 * t;
         tube(builder, palette.iron, detail.bend(6, [16, 6]), path, size);
     }
-    let rivet = DVec3::new(0.0, -0.71 * long, 0.0);
+    let rivet = dvec3(0.0, -0.71 * long, 0.0);
     let ends = [rivet - DVec3::Z * 0.025, rivet + DVec3::Z * 0.025];
     rod(builder, palette.steel, detail.tube(8, 2), ends, 0.012);
 }
@@ -41,19 +41,19 @@ pub(super) fn tongs(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 pub(super) fn horseshoe(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     let path = |t: f64| {
         let angle = TURN * mix(-0.14, 0.64, t);
-        DVec3::new(0.06 * cos(angle), -0.07 + 0.075 * sin(angle), 0.0)
+        dvec3(0.06 * cos(angle), -0.07 + 0.075 * sin(angle), 0.0)
     };
-    ribbon(builder, palette.steel, detail.bend(6, [16, 6]), Some(DVec3::Z), path, |_| DVec2::new(0.005, 0.013));
+    ribbon(builder, palette.steel, detail.bend(6, [16, 6]), Some(DVec3::Z), path, |_| dvec2(0.005, 0.013));
 }
 
 /// A sword that points down from its pommel at the origin.
 pub(super) fn sword(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, long: f64) {
     let around = detail.bend(8, [6, 2]);
     tube(builder, palette.leather, around, |t| DVec3::Y * mix(0.0, -0.168, t), |t| 0.013 + 0.01 * t * (1.0 - t));
-    tube(builder, palette.steel, around, |t| DVec3::new(mix(-0.1, 0.1, t), -0.165, 0.0), |_| 0.012);
+    tube(builder, palette.steel, around, |t| dvec3(mix(-0.1, 0.1, t), -0.165, 0.0), |_| 0.012);
     let blade = |t: f64| DVec3::Y * mix(-0.162, -long, t);
     ribbon(builder, palette.polished, detail.bend(8, [12, 3]), Some(DVec3::X), blade, |t| {
-        DVec2::new(mix(0.028, 0.02, t) * libm::sqrt(1.0 - 0.97 * t * t * t * t * t * t), 0.005)
+        dvec2(mix(0.028, 0.02, t) * libm::sqrt(1.0 - 0.97 * t * t * t * t * t * t), 0.005)
     });
     torus(builder, palette.steel, detail.ring(6, 12), DVec3::Y * 0.02, [0.014, 0.009]);
 }
@@ -85,7 +85,7 @@ pub(super) fn bucket(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
         detail.divide(14, 7),
     )
     .iter()
-    .map(|&point| point * DVec2::new(0.16, 0.3) * size)
+    .map(|&point| point * dvec2(0.16, 0.3) * size)
     .collect();
     revolve(builder, palette.wood, detail.around(16), &profile);
     for (up, radius) in [(0.06, 0.128), (0.24, 0.151)] {
@@ -94,7 +94,7 @@ pub(super) fn bucket(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
     }
     let bail = |t: f64| {
         let angle = TURN / 2.0 * t;
-        DVec3::new(-0.162 * cos(angle), 0.27 + 0.17 * sin(angle), 0.03 * sin(angle)) * size
+        dvec3(-0.162 * cos(angle), 0.27 + 0.17 * sin(angle), 0.03 * sin(angle)) * size
     };
     tube(builder, palette.iron, detail.bend(6, [12, 4]), bail, |_| 0.006 * size);
 }
@@ -102,7 +102,7 @@ pub(super) fn bucket(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
 /// A coil of rope lying on the origin.
 pub(super) fn coil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, radius: f64) {
     for turn in 0..4 {
-        let at = DVec3::new(0.004 * f64::from(turn % 2), 0.02 + 0.033 * f64::from(turn), 0.003 * f64::from(turn));
+        let at = dvec3(0.004 * f64::from(turn % 2), 0.02 + 0.033 * f64::from(turn), 0.003 * f64::from(turn));
         let wide = radius - 0.006 * f64::from(turn % 3);
         torus(builder, palette.rope, detail.ring(6, 20), at, [wide, 0.019]);
     }
@@ -133,7 +133,7 @@ pub(super) fn shield(builder: &mut MeshBuilder, palette: &Palette, detail: Detai
 
 /// A caged lantern hanging from the origin by its ring.
 pub(super) fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let ring = |t: f64| DVec3::new(0.035 * cos(TURN * t), -0.03 + 0.035 * sin(TURN * t), 0.0);
+    let ring = |t: f64| dvec3(0.035 * cos(TURN * t), -0.03 + 0.035 * sin(TURN * t), 0.0);
     loop_tube(builder, palette.iron, detail.ring(6, 16), ring, 0.005);
     let here = builder.frame;
     builder.frame = here.shift(DVec3::Y * -0.4);
@@ -148,7 +148,7 @@ pub(super) fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Deta
     revolve(builder, palette.sack, detail.around(12), &candle);
     for bar in 0..8 {
         let angle = TURN * f64::from(bar) / 8.0;
-        let out = DVec3::new(cos(angle), 0.0, sin(angle)) * 0.1;
+        let out = dvec3(cos(angle), 0.0, sin(angle)) * 0.1;
         let ends = [out + DVec3::Y * 0.02, out + DVec3::Y * 0.255];
         rod(builder, palette.iron, detail.tube(6, 4), ends, 0.004);
     }
@@ -160,10 +160,10 @@ pub(super) fn lantern(builder: &mut MeshBuilder, palette: &Palette, detail: Deta
 
 /// A squashed sack lying on the origin.
 pub(super) fn sack(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, size: f64) {
-    let half = DVec3::new(0.36, 0.15, 0.24) * size;
+    let half = dvec3(0.36, 0.15, 0.24) * size;
     let divisions = detail.bend(26, [12, 3]);
     slab(builder, palette.sack, divisions, DVec3::Y * (half.y - 0.01), half, 2.8);
-    let neck = [DVec3::new(0.3 * size, half.y, 0.0), DVec3::new(0.45 * size, half.y * 1.1, 0.0)];
+    let neck = [dvec3(0.3 * size, half.y, 0.0), dvec3(0.45 * size, half.y * 1.1, 0.0)];
     rod(builder, palette.rope, detail.tube(12, 4), neck, 0.045 * size);
 }
 
@@ -173,10 +173,10 @@ pub(super) fn open_box(builder: &mut MeshBuilder, material: MaterialId, detail: 
     let thin = 0.012;
     let two = detail.along(2);
     let mut board = |min: DVec3, max: DVec3| cuboid(builder, material, min, max, [two, two, two]);
-    board(DVec3::new(-half.x, 0.0, -half.z), DVec3::new(half.x, thin, half.z));
+    board(dvec3(-half.x, 0.0, -half.z), dvec3(half.x, thin, half.z));
     for face in [-1.0, 1.0] {
         let (x, z) = (face * (half.x - thin), face * (half.z - 2.0 * thin));
-        board(DVec3::new(x - thin, 0.004, -half.z + 0.002), DVec3::new(x + thin * 0.8, size.y, half.z - 0.002));
-        board(DVec3::new(-half.x + 0.01, 0.003, z - thin), DVec3::new(half.x - 0.01, size.y - 0.004, z + thin));
+        board(dvec3(x - thin, 0.004, -half.z + 0.002), dvec3(x + thin * 0.8, size.y, half.z - 0.002));
+        board(dvec3(-half.x + 0.01, 0.003, z - thin), dvec3(half.x - 0.01, size.y - 0.004, z + thin));
     }
 }

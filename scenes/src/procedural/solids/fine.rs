@@ -1,6 +1,6 @@
 //! Wound solids: torus knots, springs, chains and gears.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::Solids;
 use crate::procedural::builder::{Ends, MaterialId};
@@ -31,7 +31,7 @@ fn knots(solids: &mut Solids) {
         let path = |t: f64| {
             let (along, about) = (TURN * p * t, TURN * q * t);
             let wide = size * (1.0 + 0.45 * cos(about));
-            DVec3::new(wide * cos(along), size * 0.45 * sin(about), wide * sin(along))
+            dvec3(wide * cos(along), size * 0.45 * sin(about), wide * sin(along))
         };
         loop_tube(builder, material, detail.bend(17, [230, 12]), path, thick);
         builder.frame = Frame::WORLD;
@@ -47,7 +47,7 @@ fn springs(solids: &mut Solids) {
             let (radius, wire) = (0.27 - 0.12 * number as f64, 0.035);
             let path = |t: f64| {
                 let angle = TURN * turns * t;
-                DVec3::new(radius * cos(angle), wire + 0.012 + (height - 2.0 * wire) * t, -radius * sin(angle))
+                dvec3(radius * cos(angle), wire + 0.012 + (height - 2.0 * wire) * t, -radius * sin(angle))
             };
             // Ends taper like drawn wire.
             let thick = |t: f64| wire * (0.3 + 0.7 * smoothstep(0.0, 0.02, t) * smoothstep(0.0, 0.02, 1.0 - t));
@@ -79,7 +79,7 @@ fn gears(solids: &mut Solids) {
         [(16, 0.0, 0.45, 0.0), (10, 0.72, 0.62, 0.36), (8, 0.9, 1.15, 0.1)].into_iter().enumerate()
     {
         solids.place("gear", [2.3, 0.1], 0.0, -0.2 * TURN);
-        solids.builder.frame = solids.builder.frame.shift(DVec3::new(x, y, 0.0)).pitch(TURN / 4.0);
+        solids.builder.frame = solids.builder.frame.shift(dvec3(x, y, 0.0)).pitch(TURN / 4.0);
         gear(solids, metals[number], teeth, phase);
     }
     solids.builder.frame = Frame::WORLD;
@@ -109,6 +109,6 @@ fn gear(solids: &mut Solids, material: MaterialId, teeth: usize, phase: f64) {
         let (out, up) = section[ring];
         let tooth = smoothstep(-0.35, 0.35, cos(angle * teeth as f64 + TURN * phase)) - 0.5;
         let radius = pitch * 0.35 + (pitch * 0.65 + 0.07 * tooth - 0.012) * out;
-        DVec3::new(radius * cos(angle), 0.14 * up, -radius * sin(angle))
+        dvec3(radius * cos(angle), 0.14 * up, -radius * sin(angle))
     });
 }

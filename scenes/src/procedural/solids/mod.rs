@@ -9,7 +9,7 @@ mod fine;
 mod nested;
 mod turned;
 
-use glam::DVec3;
+use glam::dvec3;
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::Frame;
@@ -59,7 +59,7 @@ impl Solids {
     /// Begins an object at a place on the stage, `above` it by so many metres and turned about the vertical.
     fn place(&mut self, name: &str, [x, z]: [f64; 2], above: f64, yaw: f64) {
         self.builder.object(name);
-        self.builder.frame = Frame::at(DVec3::new(x, STAGE + GAP + above, z)).yaw(yaw);
+        self.builder.frame = Frame::at(dvec3(x, STAGE + GAP + above, z)).yaw(yaw);
     }
 }
 

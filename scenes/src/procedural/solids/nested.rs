@@ -1,6 +1,6 @@
 //! Solids within solids: shells, bubbles, boxes in boxes, and panes in a row.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::Solids;
 use crate::procedural::math::{Frame, TURN};
@@ -30,11 +30,11 @@ fn bubbles(solids: &mut Solids) {
     let Solids { builder, palette, detail } = solids;
     ball(builder, palette.clear, DVec3::ZERO, 0.62, detail.around(56));
     for (number, (center, radius)) in [
-        (DVec3::new(0.24, 0.1, 0.1), 0.17),
-        (DVec3::new(-0.22, 0.18, 0.14), 0.13),
-        (DVec3::new(0.02, -0.28, 0.12), 0.15),
-        (DVec3::new(-0.1, 0.02, -0.28), 0.19),
-        (DVec3::new(0.1, 0.36, -0.1), 0.1),
+        (dvec3(0.24, 0.1, 0.1), 0.17),
+        (dvec3(-0.22, 0.18, 0.14), 0.13),
+        (dvec3(0.02, -0.28, 0.12), 0.15),
+        (dvec3(-0.1, 0.02, -0.28), 0.19),
+        (dvec3(0.1, 0.36, -0.1), 0.1),
     ]
     .into_iter()
     .enumerate()
@@ -72,7 +72,7 @@ fn panes(solids: &mut Solids) {
     let Solids { builder, palette, detail } = solids;
     for number in 0..5 {
         let at = f64::from(number) * 0.16 - 0.32;
-        let (low, high) = (DVec3::new(-0.4, 0.0, at), DVec3::new(0.4, 0.8, at + 0.03));
+        let (low, high) = (dvec3(-0.4, 0.0, at), dvec3(0.4, 0.8, at + 0.03));
         let cells = [detail.along(8), detail.along(8), 1];
         cuboid(builder, palette.glass(number as usize), low, high, cells);
     }

@@ -1,6 +1,6 @@
 //! Solids of revolution: vases, goblets, bowls, lenses, crystals, drops.
 
-use glam::DVec3;
+use glam::{DVec3, dvec3};
 
 use super::Solids;
 use crate::procedural::math::{Frame, TURN, cos, sin};
@@ -99,7 +99,7 @@ fn bowl(solids: &mut Solids) {
     for number in 0..7 {
         let angle = TURN * number as f64 / 6.0;
         let (flat, y) = if number == 6 { (0.0, 0.145) } else { (0.26, 0.222) };
-        let center = DVec3::new(flat * cos(angle), y, flat * sin(angle));
+        let center = dvec3(flat * cos(angle), y, flat * sin(angle));
         let material = if number % 3 == 0 { palette.chrome } else { palette.glass(number) };
         ball(builder, material, center, 0.105, detail.around(24));
     }
@@ -166,12 +166,12 @@ fn drops(solids: &mut Solids) {
 /// Round and flat pebbles, and balls of metal.
 fn pebbles(solids: &mut Solids) {
     for (number, (at, half)) in [
-        ([1.5, 1.3], DVec3::new(0.22, 0.1, 0.16)),
-        ([-0.5, 1.4], DVec3::new(0.14, 0.09, 0.2)),
-        ([2.2, 2.6], DVec3::new(0.24, 0.15, 0.2)),
-        ([-1.9, 0.5], DVec3::new(0.17, 0.12, 0.12)),
-        ([0.6, -1.2], DVec3::new(0.2, 0.1, 0.26)),
-        ([-0.8, 3.6], DVec3::new(0.3, 0.16, 0.2)),
+        ([1.5, 1.3], dvec3(0.22, 0.1, 0.16)),
+        ([-0.5, 1.4], dvec3(0.14, 0.09, 0.2)),
+        ([2.2, 2.6], dvec3(0.24, 0.15, 0.2)),
+        ([-1.9, 0.5], dvec3(0.17, 0.12, 0.12)),
+        ([0.6, -1.2], dvec3(0.2, 0.1, 0.26)),
+        ([-0.8, 3.6], dvec3(0.3, 0.16, 0.2)),
         ([1.1, -2.2], DVec3::splat(0.24)),
         ([-0.9, 0.85], DVec3::splat(0.2)),
         ([2.5, -2.6], DVec3::splat(0.34)),
