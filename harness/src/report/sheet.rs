@@ -139,58 +139,27 @@ impl Cell {
     }
 }
 
-impl From<String> for Cell {
-    fn from(text: String) -> Self {
-        Self::Text(text)
-    }
+/// How values of a type stand in cells.
+macro_rules! cell_from {
+    ($($from:ty: $pattern:pat => $cell:expr;)+) => {$(
+        impl From<$from> for Cell {
+            fn from($pattern: $from) -> Self {
+                $cell
+            }
+        }
+    )+};
 }
 
-impl From<&str> for Cell {
-    fn from(text: &str) -> Self {
-        Self::Text(text.to_owned())
-    }
-}
-
-impl From<bool> for Cell {
-    fn from(flag: bool) -> Self {
-        Self::Flag(flag)
-    }
-}
-
-impl From<u32> for Cell {
-    fn from(count: u32) -> Self {
-        Self::Count(count.into())
-    }
-}
-
-impl From<u64> for Cell {
-    fn from(count: u64) -> Self {
-        Self::Count(count)
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        Self::Number(value, 4)
-    }
-}
-
-impl From<Percentiles> for Cell {
-    fn from(percentiles: Percentiles) -> Self {
-        Self::Percentiles(percentiles)
-    }
-}
-
-impl From<Amount> for Cell {
-    fn from(amount: Amount) -> Self {
-        Self::Measured(amount.value, Some(amount.interval), 4)
-    }
-}
-
-impl From<Ratio> for Cell {
-    fn from(ratio: Ratio) -> Self {
-        Self::Measured(ratio.value, Some(ratio.interval), 3)
-    }
+cell_from! {
+    String: text => Self::Text(text);
+    &str: text => Self::Text(text.to_owned());
+    bool: flag => Self::Flag(flag);
+    u32: count => Self::Count(count.into());
+    u64: count => Self::Count(count);
+    f64: value => Self::Number(value, 4);
+    Percentiles: percentiles => Self::Percentiles(percentiles);
+    Amount: amount => Self::Measured(amount.value, Some(amount.interval), 4);
+    Ratio: ratio => Self::Measured(ratio.value, Some(ratio.interval), 3);
 }
 
 /// A median with its interval, where anything was timed.
