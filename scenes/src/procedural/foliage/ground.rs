@@ -2,9 +2,8 @@
 
 use glam::{DVec3, dvec3};
 
-use super::{Density, HALF, POOL, Palette, Wind};
-use crate::procedural::Detail;
-use crate::procedural::builder::{Ends, MaterialId, MeshBuilder};
+use super::{Glade, HALF, POOL};
+use crate::procedural::builder::{Ends, MaterialId};
 use crate::procedural::math::{Frame, Random, TURN, cos, sin, smoothstep};
 use crate::procedural::shapes::steps;
 
@@ -25,7 +24,8 @@ pub(super) fn distance_to_pool(x: f64, z: f64) -> f64 {
     libm::sqrt(dx * dx + dz * dz)
 }
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(glade: &mut Glade) {
+    let Glade { builder, palette, detail, .. } = glade;
     builder.object("ground");
     let line = steps(-HALF, HALF, detail.divide(64, 8));
     builder.sheet(palette.earth, &line, &line, |z, x| dvec3(x, height(x, z), z), |_, _| false);
@@ -63,50 +63,37 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 }
 
 /// Bent blades of three triangles, everywhere but in the pool, denser and taller around it.
-pub(super) fn grass(builder: &mut MeshBuilder, palette: &Palette, density: Density, wind: Wind) {
-    builder.object("grass");
-    for number in 0..density.count(BLADES) {
+pub(super) fn grass(glade: &mut Glade) {
+    glade.builder.object("grass");
+    for number in 0..glade.density.count(BLADES) {
         let mut random = Random(0x6772_6173 + number as u64 * 0x9e37);
         // Squared, so that more stand near the middle.
         let (angle, share) = (random.between(0.0, TURN), random.between(0.0, 1.0));
         let away = 2.2 + 9.4 * share * libm::sqrt(share);
         let (x, z) = (POOL.0.x + away * cos(angle), POOL.0.z + away * sin(angle));
         let (tall, heading) = (random.between(0.2, 0.6), random.between(0.0, TURN));
-        let (wide, bow) = (random.between(0.009, 0.018) * density.size(), random.between(0.1, 0.5));
-        let material = palette.grass[usize::from(random.between(0.0, 1.0) < 0.4)];
+        let (wide, bow) = (random.between(0.009, 0.018) * glade.density.size(), random.between(0.1, 0.5));
+        let material = glade.palette.grass[usize::from(random.between(0.0, 1.0) < 0.4)];
         if x.abs() > HALF || z.abs() > HALF {
             // Kept, so that the number of triangles does not depend on chance: moved to the other side of the pool.
-            blade(
-                builder,
-                palette.grass[0],
-                wind,
-                [POOL.0.x * 2.0 - x, POOL.0.z * 2.0 - z],
-                [tall, wide, bow],
-                heading,
-            );
+            let other = [POOL.0.x * 2.0 - x, POOL.0.z * 2.0 - z];
+            blade(glade, glade.palette.grass[0], other, [tall, wide, bow], heading);
         } else {
-            blade(builder, material, wind, [x, z], [tall, wide, bow], heading);
+            blade(glade, material, [x, z], [tall, wide, bow], heading);
         }
     }
 }
 
-fn blade(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    wind: Wind,
-    [x, z]: [f64; 2],
-    [tall, wide, bow]: [f64; 3],
-    heading: f64,
-) {
+fn blade(glade: &mut Glade, material: MaterialId, [x, z]: [f64; 2], [tall, wide, bow]: [f64; 3], heading: f64) {
     let (x, z) = (x.clamp(-HALF, HALF), z.clamp(-HALF, HALF));
     let root = dvec3(x, height(x, z) - 0.03, z);
     let out = dvec3(cos(heading), 0.0, sin(heading));
     let side = dvec3(-out.z, 0.0, out.x) * wide;
     let at = |up: f64| {
         let point = root + out * (bow * tall * up * up) + DVec3::Y * (tall * up);
-        wind.bend(point, up, 0.22 * tall, 0.6 * x + 0.4 * z)
+        glade.wind.bend(point, up, 0.22 * tall, 0.6 * x + 0.4 * z)
     };
     let (low, middle, tip) = (at(0.0), at(0.55), at(1.0));
     let points = [low - side, low + side, middle - side * 0.8, middle + side * 0.8, tip];
-    builder.patch(material, &points, &[[0, 1, 3], [0, 3, 2], [2, 3, 4]]);
+    glade.builder.patch(material, &points, &[[0, 1, 3], [0, 3, 2], [2, 3, 4]]);
 }

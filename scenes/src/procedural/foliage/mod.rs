@@ -75,17 +75,25 @@ impl Wind {
     }
 }
 
+/// The glade under construction.
+struct Glade {
+    builder: MeshBuilder,
+    palette: Palette,
+    detail: Detail,
+    density: Density,
+    wind: Wind,
+}
+
 /// Builds the glade with about `scale` times its triangles at scale 1 as it stands at `time_s`.
 pub(crate) fn build(scale: f64, time_s: f64) -> Built {
-    let detail = Detail::new(scale);
-    let density = Density { scale };
-    let wind = Wind { time_s };
     let mut builder = MeshBuilder::new();
     let palette = Palette::new(&mut builder);
-    ground::build(&mut builder, &palette, detail);
-    plants::build(&mut builder, &palette, detail, density, wind);
-    ground::grass(&mut builder, &palette, density, wind);
-    Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
+    let (detail, density, wind) = (Detail::new(scale), Density { scale }, Wind { time_s });
+    let mut glade = Glade { builder, palette, detail, density, wind };
+    ground::build(&mut glade);
+    plants::build(&mut glade);
+    ground::grass(&mut glade);
+    Built { mesh: glade.builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }
 
 const VIEWPOINTS: [NamedPose; 6] = [

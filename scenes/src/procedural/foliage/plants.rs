@@ -2,9 +2,7 @@
 
 use glam::{DVec3, dvec3};
 
-use super::{Density, Palette, Wind, ground};
-use crate::procedural::Detail;
-use crate::procedural::builder::{MaterialId, MeshBuilder};
+use super::{Glade, Wind, ground};
 use crate::procedural::math::{Random, TURN, cos, mix, sin};
 use crate::procedural::shapes::tube;
 
@@ -37,17 +35,18 @@ struct Kind {
     limp: f64,
 }
 
-/// A plant: where it stands, how tall and limp it is, and the phase of its swing.
-struct Plant {
+/// A plant: what grows where, how tall it is, and the phase of its swing.
+struct Plant<'a> {
+    kind: &'a Kind,
+    seed: u64,
     root: DVec3,
     height: f64,
-    limp: f64,
     phase: f64,
     /// The branches that leaves grow on.
     twigs: Vec<Branch>,
 }
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, density: Density, wind: Wind) {
+pub(super) fn build(glade: &mut Glade) {
     let oak = Kind { bark: 0, leaf: 0, length: 0.43, width: 0.66, leaves: 5800, limp: 0.05 };
     let birch = Kind { bark: 1, leaf: 2, length: 0.36, width: 0.68, leaves: 5800, limp: 0.08 };
     let bush = Kind { bark: 0, leaf: 1, length: 0.24, width: 0.56, leaves: 2200, limp: 0.1 };
@@ -64,9 +63,9 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         (&oak, -1.6, -8.6, 7.4),
     ];
     for (number, &(kind, x, z, height)) in trees.iter().enumerate() {
-        builder.object(format!("tree {number}"));
-        let plant = tree(builder, palette, detail, wind, (kind, number as u64), [x, z, height]);
-        leaves(builder, palette, density, wind, (kind, number as u64), &plant);
+        glade.builder.object(format!("tree {number}"));
+        let plant = tree(glade, kind, number as u64, [x, z, height]);
+        leaves(glade, &plant);
     }
     let bushes = [
         (-2.2, 1.4, 1.5),
@@ -81,10 +80,9 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
         (-9.0, 3.4, 1.7),
     ];
     for (number, &(x, z, height)) in bushes.iter().enumerate() {
-        let seed = 100 + number as u64;
-        builder.object(format!("bush {number}"));
-        let plant = shrub(builder, palette, detail, wind, (&bush, seed), [x, z, height]);
-        leaves(builder, palette, density, wind, (&bush, seed), &plant);
+        glade.builder.object(format!("bush {number}"));
+        let plant = shrub(glade, &bush, 100 + number as u64, [x, z, height]);
+        leaves(glade, &plant);
     }
 }
 
@@ -94,21 +92,14 @@ fn direction(heading: f64, rise: f64) -> DVec3 {
 }
 
 /// The wood of a tree: a trunk, limbs around it, twigs on these.
-fn tree(
-    builder: &mut MeshBuilder,
-    palette: &Palette,
-    detail: Detail,
-    wind: Wind,
-    (kind, seed): (&Kind, u64),
-    [x, z, height]: [f64; 3],
-) -> Plant {
+fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 3]) -> Plant<'a> {
     let mut random = Random(9000 + seed);
     let root = dvec3(x, ground::height(x, z) - 0.15, z);
-    let mut plant = Plant { root, height, limp: kind.limp, phase: random.between(0.0, TURN), twigs: Vec::new() };
+    let mut plant = Plant { kind, seed, root, height, phase: random.between(0.0, TURN), twigs: Vec::new() };
     let lean = dvec3(random.between(-0.4, 0.4), height * 0.93, random.between(-0.4, 0.4));
     let bow = dvec3(random.between(-0.25, 0.25), 0.0, random.between(-0.25, 0.25));
     let trunk = Branch { from: root, to: root + lean, bow, radius: [height * 0.026, 0.02] };
-    wood(builder, palette.bark[kind.bark], detail.bend(12, [16, 3]), wind, &plant, &trunk);
+    wood(glade, &plant, glade.detail.bend(12, [16, 3]), &trunk);
     let limbs = 15;
     for limb in 0..limbs {
         let up =
@@ -119,7 +110,7 @@ fn tree(
         let to = from + direction(heading, random.between(0.15, 0.65)) * long;
         let thick = mix(0.055, 0.02, up);
         let limb = Branch { from, to, bow: DVec3::Y * (-0.06 * long), radius: [thick, 0.012] };
-        wood(builder, palette.bark[kind.bark], detail.bend(7, [8, 2]), wind, &plant, &limb);
+        wood(glade, &plant, glade.detail.bend(7, [8, 2]), &limb);
         for twig in 0..5 {
             let at = mix(0.35, 0.95, f64::from(twig) / 4.0);
             let side = if twig % 2 == 0 { 0.8 } else { -0.8 };
@@ -127,7 +118,7 @@ fn tree(
             let long = long * random.between(0.28, 0.42);
             let to = from + direction(heading + side + random.between(-0.3, 0.3), random.between(-0.2, 0.6)) * long;
             let twig = Branch { from, to, bow: DVec3::Y * (0.08 * long), radius: [0.012, 0.004] };
-            wood(builder, palette.bark[kind.bark], detail.bend(5, [5, 1]), wind, &plant, &twig);
+            wood(glade, &plant, glade.detail.bend(5, [5, 1]), &twig);
             plant.twigs.push(twig);
         }
     }
@@ -135,17 +126,10 @@ fn tree(
 }
 
 /// The wood of a bush: stems from one root that lean outwards.
-fn shrub(
-    builder: &mut MeshBuilder,
-    palette: &Palette,
-    detail: Detail,
-    wind: Wind,
-    (kind, seed): (&Kind, u64),
-    [x, z, height]: [f64; 3],
-) -> Plant {
+fn shrub<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 3]) -> Plant<'a> {
     let mut random = Random(9000 + seed);
     let root = dvec3(x, ground::height(x, z) - 0.06, z);
-    let mut plant = Plant { root, height, limp: kind.limp, phase: random.between(0.0, TURN), twigs: Vec::new() };
+    let mut plant = Plant { kind, seed, root, height, phase: random.between(0.0, TURN), twigs: Vec::new() };
     let stems = 14;
     for stem in 0..stems {
         let heading = TURN * 0.382 * f64::from(stem) + random.between(-0.2, 0.2);
@@ -154,42 +138,31 @@ fn shrub(
         let to = from + direction(heading, random.between(0.55, 1.4)) * long;
         let bow = direction(heading, 0.0) * (0.1 * long);
         let stem = Branch { from, to, bow, radius: [0.014, 0.004] };
-        wood(builder, palette.bark[kind.bark], detail.bend(5, [8, 2]), wind, &plant, &stem);
+        wood(glade, &plant, glade.detail.bend(5, [8, 2]), &stem);
         plant.twigs.push(stem);
     }
     plant
 }
 
-fn wood(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    divisions: [usize; 2],
-    wind: Wind,
-    plant: &Plant,
-    branch: &Branch,
-) {
-    let path = |t: f64| plant.blown(wind, branch.at(t));
-    tube(builder, material, divisions, path, |t| mix(branch.radius[0], branch.radius[1], t));
+fn wood(glade: &mut Glade, plant: &Plant<'_>, divisions: [usize; 2], branch: &Branch) {
+    let Glade { builder, palette, wind, .. } = glade;
+    let path = |t: f64| plant.blown(*wind, branch.at(t));
+    tube(builder, palette.bark[plant.kind.bark], divisions, path, |t| mix(branch.radius[0], branch.radius[1], t));
 }
 
-impl Plant {
+impl Plant<'_> {
     /// Where a point of the plant is in the wind.
     fn blown(&self, wind: Wind, point: DVec3) -> DVec3 {
-        wind.bend(point, (point.y - self.root.y) / self.height, self.limp * self.height, self.phase)
+        wind.bend(point, (point.y - self.root.y) / self.height, self.kind.limp * self.height, self.phase)
     }
 }
 
 /// Leaves on the outer parts of the twigs: base, two sides, tip, and a middle that folds them along their length.
-fn leaves(
-    builder: &mut MeshBuilder,
-    palette: &Palette,
-    density: Density,
-    wind: Wind,
-    (kind, seed): (&Kind, u64),
-    plant: &Plant,
-) {
+fn leaves(glade: &mut Glade, plant: &Plant<'_>) {
+    let Glade { builder, palette, density, wind, .. } = glade;
+    let kind = plant.kind;
     for number in 0..density.count(kind.leaves) {
-        let mut random = Random((seed << 32) + number as u64 * 0x9e37_79b9);
+        let mut random = Random((plant.seed << 32) + number as u64 * 0x9e37_79b9);
         let twig = &plant.twigs[random.between(0.0, plant.twigs.len() as f64) as usize % plant.twigs.len()];
         let base = twig.at(random.between(0.15, 1.0));
         let heading = random.between(0.0, TURN);
@@ -201,7 +174,7 @@ fn leaves(
         let turn = random.between(0.0, TURN);
         let cycles = if random.between(0.0, 1.0) < 0.5 { 4.0 } else { 5.0 };
         let material = palette.leaf[if random.between(0.0, 1.0) < 0.12 { 3 } else { kind.leaf }];
-        let base = plant.blown(wind, base);
+        let base = plant.blown(*wind, base);
         // The stalk holds the leaf off the wood.
         let stalk = base + out * (0.12 * size);
         let flutter = 0.16 * size * wind.swing(cycles, turn);
