@@ -4,6 +4,7 @@ use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue};
 
 use super::CommandLine;
+use crate::registry::TRACERS;
 
 /// What a word that has gone was.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -19,7 +20,7 @@ pub(super) enum Kind {
     Variable,
 }
 
-/// Every word that has gone, with what stands for it now.
+/// Words that have gone, with what stands for them now.
 const RENAMES: &[(Kind, &str, &str)] = &[
     (Kind::Verb, "adapters", "doctor"),
     (Kind::Verb, "clock", "doctor --clock"),
@@ -38,13 +39,18 @@ const RENAMES: &[(Kind, &str, &str)] = &[
     (Kind::Parameter, "reads", "memory_access"),
     (Kind::Table, "means", "launch-settings"),
     (Kind::Table, "lbvh-gpu-ablation", "ploc-gpu-ablation"),
-    (Kind::Tracer, "lbvh-gpu", "ploc-gpu"),
     (Kind::Variable, "TRACEBENCH_MEANS", "TRACEBENCH_LAUNCH"),
 ];
 
+/// Every word that has gone: those, and former names of tracers.
+fn renames() -> impl Iterator<Item = (Kind, &'static str, &'static str)> {
+    let tracers = TRACERS.iter().filter_map(|each| Some((Kind::Tracer, each.formerly?, each.name())));
+    RENAMES.iter().copied().chain(tracers)
+}
+
 /// What stands now for a word that could not be read, if it is one that has gone.
 pub(super) fn renamed(is_kind: impl Fn(Kind) -> bool, word: &str) -> Option<String> {
-    let (_, was, is) = RENAMES.iter().find(|(kind, was, _)| is_kind(*kind) && *was == word)?;
+    let (_, was, is) = renames().find(|(kind, was, _)| is_kind(*kind) && *was == word)?;
     Some(format!("`{was}` is `{is}` now; docs/renames.md has all that changed"))
 }
 
@@ -89,7 +95,7 @@ mod tests {
             let all: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
             read(words).and_then(|error| answer(&error, &all))
         };
-        for (kind, was, is) in RENAMES {
+        for (kind, was, is) in renames() {
             assert!(page.contains(&format!("| `{was}` | `{is}` |")), "docs/renames.md has no {was}");
             let said = match kind {
                 Kind::Verb => answer(&[was]),
@@ -97,7 +103,7 @@ mod tests {
                 Kind::Parameter => names::tracers(&format!("dirt@{was}=x"), &[]).err().map(|error| error.to_string()),
                 Kind::Table => names::table(was).err().map(|error| error.to_string()),
                 Kind::Tracer => names::tracers(was, &[]).err().map(|error| error.to_string()),
-                Kind::Variable => renamed(|other| other == *kind, was),
+                Kind::Variable => renamed(|other| other == kind, was),
             };
             assert!(said.unwrap_or_default().contains(&format!("`{was}` is `{is}` now")), "{was}");
             let verb = match kind {

@@ -104,6 +104,8 @@ pub struct Improved {
 pub struct Registration {
     /// What it is and takes.
     pub describe: fn() -> TracerDescription,
+    /// Its name in older records.
+    pub formerly: Option<&'static str>,
     /// Its peers.
     pub family: Family,
     /// Whether it serves only rays that all start in one point: it refuses other ray sets, which are skipped with its reason.
@@ -152,6 +154,7 @@ impl Registration {
             sweep: &[],
             tune: None,
             excluded_from_fronts: &[],
+            formerly: None,
             matters: &[],
             shrinks: &[],
             touches: &[],

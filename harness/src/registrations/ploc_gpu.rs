@@ -6,6 +6,7 @@ use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Table};
 pub(crate) const REGISTRATION: Registration = Registration {
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
     ablation: Some(&ABLATION),
+    formerly: Some("lbvh-gpu"),
     touches: OF_HIERARCHIES,
     ..Registration::analytic(tracebench_bvh::ploc_description, Family::Bvh, |gpu| {
         Ok(Box::new(tracebench_bvh::PlocGpu::new(gpu?)?))

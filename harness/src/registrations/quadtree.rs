@@ -201,4 +201,10 @@ const REMEDIES: &[Remedy] = &[
         value: "0.1",
         source: "WKP15, section 4, says nothing of rays that start on surfaces: a pixel of their way is left out",
     },
+    Remedy {
+        cause: "close_behind_a_plane",
+        parameter: "occlusion_bias",
+        value: "0.25",
+        source: "WKP15, section 4.1, does not say how far behind a plane hidden space begins: a ray that is nearer passes or hits",
+    },
 ];
