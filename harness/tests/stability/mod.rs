@@ -134,8 +134,8 @@ fn unexplained(found: &Stability, tracers: &str) -> Vec<String> {
     cells
 }
 
-/// The folders of the committed matrix: the published forms, what came after them, the improved ones.
-const COMMITTED: [&str; 3] = ["", "mesh-warp", "improved"];
+/// The folders of the committed matrix: the published forms, the improved ones.
+const COMMITTED: [&str; 2] = ["", "improved"];
 
 /// The committed record of a matrix.
 fn committed(folder: &str) -> Record {
