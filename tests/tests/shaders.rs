@@ -165,6 +165,7 @@ fn entry_points_exist() {
                 let passes = [("search", 64), ("tally", 64), ("add_up", 256), ("merge", 64), ("finish", 256)];
                 passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
             }
+            ("bvh/radix_tree.wgsl", _) => compute(&["raise", "link"], 64),
             ("bvh/leaves.wgsl", _) => compute(&["encode", "place", "fill"], 64),
             ("bvh/ray_query.wgsl", _) => compute(&["trace", "trace_counted", "find_own_triangle"], 64),
             ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
