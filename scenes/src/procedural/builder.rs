@@ -47,13 +47,15 @@ pub(super) enum Ends {
 /// The triangles so far.
 pub(super) struct MeshBuilder {
     mesh: Mesh,
+    /// Factor on the divisions in either direction of a surface.
+    fineness: f64,
     /// Where what follows is placed.
     pub(super) frame: Frame,
 }
 
 impl MeshBuilder {
-    /// Nothing yet, in world space.
-    pub(super) fn new() -> Self {
+    /// Nothing yet, in world space; divisions are those for `scale` times the triangles.
+    pub(super) fn new(scale: f64) -> Self {
         Self {
             mesh: Mesh {
                 positions: Vec::new(),
@@ -63,6 +65,7 @@ impl MeshBuilder {
                 triangle_objects: Vec::new(),
                 objects: Vec::new(),
             },
+            fineness: scale.sqrt(),
             frame: Frame::WORLD,
         }
     }
@@ -206,5 +209,44 @@ impl MeshBuilder {
             self.object("scene");
         }
         self.mesh.triangle_objects.push(self.mesh.objects.len() as u32 - 1);
+    }
+}
+
+/// How finely curved and large surfaces are divided.
+impl MeshBuilder {
+    /// `base` divisions at scale 1, never fewer than `least`.
+    pub(super) fn divide(&self, base: usize, least: usize) -> usize {
+        let scaled = libm::round(base as f64 * self.fineness);
+        (scaled as usize).max(least)
+    }
+
+    /// Divisions around something round: at least a triangular prism.
+    pub(super) fn around(&self, base: usize) -> usize {
+        self.divide(base, 3)
+    }
+
+    /// Divisions along something: at least one.
+    pub(super) fn along(&self, base: usize) -> usize {
+        self.divide(base, 1)
+    }
+
+    /// Divisions along several sides.
+    pub(super) fn sides<const N: usize>(&self, base: [usize; N]) -> [usize; N] {
+        base.map(|base| self.along(base))
+    }
+
+    /// Divisions around something round and along it.
+    pub(super) fn round(&self, around: usize, along: usize) -> [usize; 2] {
+        [self.around(around), self.along(along)]
+    }
+
+    /// Divisions around something round that is bent: along it never fewer than `least`.
+    pub(super) fn bent(&self, around: usize, [along, least]: [usize; 2]) -> [usize; 2] {
+        [self.around(around), self.divide(along, least)]
+    }
+
+    /// Divisions around the tube of a ring and around the ring.
+    pub(super) fn ring(&self, tube: usize, around: usize) -> [usize; 2] {
+        [self.around(tube), self.around(around)]
     }
 }

@@ -5,50 +5,202 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use super::builder::{Ends, MaterialId, MeshBuilder};
 use super::math::{TURN, cos, curve, mix, sin};
 
+impl MeshBuilder {
+    /// A box with its faces divided along x, y and z.
+    pub(super) fn cuboid(&mut self, material: MaterialId, min: DVec3, max: DVec3, divisions: [usize; 3]) {
+        let axes = [0, 1, 2].map(|axis| steps(min[axis], max[axis], divisions[axis]));
+        for axis in 0..3 {
+            // (u, v, axis) is a right-handed cycle, so u x v points along +axis.
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let point = |at: f64| {
+                move |on_u: f64, on_v: f64| {
+                    let mut point = DVec3::ZERO;
+                    point[u] = on_u;
+                    point[v] = on_v;
+                    point[axis] = at;
+                    point
+                }
+            };
+            self.sheet(material, &axes[u], &axes[v], point(max[axis]), |_, _| false);
+            let low = point(min[axis]);
+            self.sheet(material, &axes[v], &axes[u], |on_v, on_u| low(on_u, on_v), |_, _| false);
+        }
+    }
+
+    /// A box without divisions.
+    pub(super) fn plain_box(&mut self, material: MaterialId, min: DVec3, max: DVec3) {
+        self.cuboid(material, min, max, [1, 1, 1]);
+    }
+
+    /// A profile (radius, height) turned about the y axis. It starts and ends on the axis, which gives closed shapes;
+    /// going up on the outside and down on the inside makes a vessel.
+    pub(super) fn revolve(&mut self, material: MaterialId, around: usize, profile: &[DVec2]) {
+        let [first, rings @ .., last] = profile else {
+            return;
+        };
+        self.rings(material, rings.len(), around, &Ends::Closed(first.y * DVec3::Y, last.y * DVec3::Y), |ring, at| {
+            let angle = TURN * at as f64 / around as f64;
+            let DVec2 { x: radius, y } = rings[ring];
+            dvec3(radius * cos(angle), y, -radius * sin(angle))
+        });
+    }
+
+    /// [`Self::revolve`] of a [`smooth_profile`]; `divisions` are those around and along it.
+    pub(super) fn revolve_smooth(&mut self, material: MaterialId, divisions: [usize; 2], knots: &[[f64; 2]]) {
+        self.revolve(material, divisions[0], &smooth_profile(knots, divisions[1]));
+    }
+
+    /// [`Self::revolve`] of a [`straight_profile`]; `divisions` are those around and along each line.
+    pub(super) fn revolve_straight(&mut self, material: MaterialId, divisions: [usize; 2], knots: &[[f64; 2]]) {
+        self.revolve(material, divisions[0], &straight_profile(knots, divisions[1]));
+    }
+
+    /// A ball around the frame's point `center`.
+    pub(super) fn ball(&mut self, material: MaterialId, center: DVec3, radius: f64, around: usize) {
+        let profile = half_circle(radius, around);
+        let frame = self.frame;
+        self.frame = frame.shift(center);
+        self.revolve(material, around, &profile);
+        self.frame = frame;
+    }
+
+    /// A ball around the frame's point `center` that is seen from inside: the void in something hollow.
+    pub(super) fn void(&mut self, material: MaterialId, center: DVec3, radius: f64, around: usize) {
+        let mut profile = half_circle(radius, around);
+        profile.reverse();
+        let frame = self.frame;
+        self.frame = frame.shift(center);
+        self.revolve(material, around, &profile);
+        self.frame = frame;
+    }
+
+    /// An ellipsoid around the frame's point `center`.
+    pub(super) fn ellipsoid(&mut self, material: MaterialId, center: DVec3, half: DVec3, around: usize) {
+        let rows = (around / 2).max(2);
+        let ends = Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y);
+        self.rings(material, rows - 1, around, &ends, |ring, at| {
+            let (up, angle) = (TURN / 2.0 * (ring + 1) as f64 / rows as f64, TURN * at as f64 / around as f64);
+            center + half * dvec3(sin(up) * cos(angle), -cos(up), -sin(up) * sin(angle))
+        });
+    }
+
+    /// A tube along an open curve, closed by flat ends. `path` and `radius` take 0 to 1.
+    pub(super) fn tube(
+        &mut self,
+        material: MaterialId,
+        [around, along]: [usize; 2],
+        path: impl Fn(f64) -> DVec3,
+        radius: impl Fn(f64) -> f64,
+    ) {
+        self.ribbon(material, [around, along], None, path, |t| DVec2::splat(radius(t)));
+    }
+
+    /// A straight rod.
+    pub(super) fn rod(&mut self, material: MaterialId, divisions: [usize; 2], [from, to]: [DVec3; 2], radius: f64) {
+        self.tube(material, divisions, |t| from + (to - from) * t, |_| radius);
+    }
+
+    /// A tube with an elliptic cross-section: `size` gives the half axes, the first across the path on the side of
+    /// `side` (any direction where that does not matter), the second square to it.
+    pub(super) fn ribbon(
+        &mut self,
+        material: MaterialId,
+        [around, along]: [usize; 2],
+        side: Option<DVec3>,
+        path: impl Fn(f64) -> DVec3,
+        size: impl Fn(f64) -> DVec2,
+    ) {
+        self.striped_ribbon(|_, _| material, [around, along], side, path, size);
+    }
+
+    /// As [`Self::ribbon`], with the material of the cell that begins at a ring and a point.
+    pub(super) fn striped_ribbon(
+        &mut self,
+        material: impl Fn(usize, usize) -> MaterialId,
+        [around, along]: [usize; 2],
+        side: Option<DVec3>,
+        path: impl Fn(f64) -> DVec3,
+        size: impl Fn(f64) -> DVec2,
+    ) {
+        let points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
+        let frames = carry(&points, false, side);
+        self.striped_rings(material, points.len(), around, &Ends::Closed(points[0], points[along]), |ring, at| {
+            let angle = TURN * at as f64 / around as f64;
+            let half = size(ring as f64 / along as f64);
+            let (across, square) = frames[ring];
+            points[ring] + across * (half.x * cos(angle)) + square * (half.y * sin(angle))
+        });
+    }
+
+    /// A tube of constant radius along a closed curve; `path` takes 0 to 1 and comes back to its start.
+    pub(super) fn loop_tube(
+        &mut self,
+        material: MaterialId,
+        [around, along]: [usize; 2],
+        path: impl Fn(f64) -> DVec3,
+        radius: f64,
+    ) {
+        let mut points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
+        points.pop();
+        let frames = carry(&points, true, None);
+        // Carried once around, the frame comes back turned: the difference is spread over the whole length.
+        let tangent = (points[1] - points[along - 1]).normalize_or(DVec3::Y);
+        let (across, square) = frames[along - 1];
+        let back = (across - tangent * across.dot(tangent)).normalize_or(square);
+        let turned = libm::atan2(back.dot(frames[0].1), back.dot(frames[0].0));
+        self.rings(material, along, around, &Ends::Looped, |ring, at| {
+            let share = ring as f64 / along as f64;
+            let angle = TURN * at as f64 / around as f64 - turned * share;
+            let (across, square) = frames[ring];
+            points[ring] + (across * cos(angle) + square * sin(angle)) * radius
+        });
+    }
+
+    /// A ring lying in the frame's xz plane.
+    pub(super) fn torus(
+        &mut self,
+        material: MaterialId,
+        divisions: [usize; 2],
+        center: DVec3,
+        [large, small]: [f64; 2],
+    ) {
+        let path = |t: f64| center + dvec3(large * cos(TURN * t), 0.0, -large * sin(TURN * t));
+        self.loop_tube(material, divisions, path, small);
+    }
+
+    /// A slab with rounded corners and edges: `half` is half its size, `square` above 2 makes the outline squarer.
+    pub(super) fn slab(
+        &mut self,
+        material: MaterialId,
+        [around, edge]: [usize; 2],
+        center: DVec3,
+        half: DVec3,
+        square: f64,
+    ) {
+        let bend = half.y.min(half.x).min(half.z);
+        let outline = |angle: f64, inset: f64| {
+            let power = |x: f64| libm::copysign(libm::pow(x.abs(), 2.0 / square), x);
+            dvec2((half.x - inset) * power(cos(angle)), -(half.z - inset) * power(sin(angle)))
+        };
+        self.rings(
+            material,
+            edge + 1,
+            around,
+            &Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y),
+            |ring, at| {
+                let bow = TURN / 2.0 * (ring as f64 / edge as f64 - 0.5);
+                let flat = outline(TURN * at as f64 / around as f64, bend * (1.0 - cos(bow)));
+                center + dvec3(flat.x, half.y * sin(bow), flat.y)
+            },
+        );
+    }
+}
+
 /// `divisions + 1` numbers from `from` to `to`, evenly spread, both exact.
 pub(super) fn steps(from: f64, to: f64, divisions: usize) -> Vec<f64> {
     (0..=divisions)
         .map(|step| if step == divisions { to } else { mix(from, to, step as f64 / divisions as f64) })
         .collect()
-}
-
-/// A box with its faces divided along x, y and z.
-pub(super) fn cuboid(builder: &mut MeshBuilder, material: MaterialId, min: DVec3, max: DVec3, divisions: [usize; 3]) {
-    let axes = [0, 1, 2].map(|axis| steps(min[axis], max[axis], divisions[axis]));
-    for axis in 0..3 {
-        // (u, v, axis) is a right-handed cycle, so u x v points along +axis.
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let point = |at: f64| {
-            move |on_u: f64, on_v: f64| {
-                let mut point = DVec3::ZERO;
-                point[u] = on_u;
-                point[v] = on_v;
-                point[axis] = at;
-                point
-            }
-        };
-        builder.sheet(material, &axes[u], &axes[v], point(max[axis]), |_, _| false);
-        let low = point(min[axis]);
-        builder.sheet(material, &axes[v], &axes[u], |on_v, on_u| low(on_u, on_v), |_, _| false);
-    }
-}
-
-/// A box without divisions.
-pub(super) fn plain_box(builder: &mut MeshBuilder, material: MaterialId, min: DVec3, max: DVec3) {
-    cuboid(builder, material, min, max, [1, 1, 1]);
-}
-
-/// A profile (radius, height) turned about the y axis. It starts and ends on the axis, which gives closed shapes; going
-/// up on the outside and down on the inside makes a vessel.
-pub(super) fn revolve(builder: &mut MeshBuilder, material: MaterialId, around: usize, profile: &[DVec2]) {
-    let [first, rings @ .., last] = profile else {
-        return;
-    };
-    builder.rings(material, rings.len(), around, &Ends::Closed(first.y * DVec3::Y, last.y * DVec3::Y), |ring, at| {
-        let angle = TURN * at as f64 / around as f64;
-        let DVec2 { x: radius, y } = rings[ring];
-        dvec3(radius * cos(angle), y, -radius * sin(angle))
-    });
 }
 
 /// `count + 1` points of a smooth profile through `knots`; between the ends it keeps off the axis.
@@ -74,35 +226,6 @@ pub(super) fn straight_profile(knots: &[[f64; 2]], divisions: usize) -> Vec<DVec
     points
 }
 
-/// A ball around the frame's point `center`.
-pub(super) fn ball(builder: &mut MeshBuilder, material: MaterialId, center: DVec3, radius: f64, around: usize) {
-    let profile = half_circle(radius, around);
-    let frame = builder.frame;
-    builder.frame = frame.shift(center);
-    revolve(builder, material, around, &profile);
-    builder.frame = frame;
-}
-
-/// A ball around the frame's point `center` that is seen from inside: the void in something hollow.
-pub(super) fn void(builder: &mut MeshBuilder, material: MaterialId, center: DVec3, radius: f64, around: usize) {
-    let mut profile = half_circle(radius, around);
-    profile.reverse();
-    let frame = builder.frame;
-    builder.frame = frame.shift(center);
-    revolve(builder, material, around, &profile);
-    builder.frame = frame;
-}
-
-/// An ellipsoid around the frame's point `center`.
-pub(super) fn ellipsoid(builder: &mut MeshBuilder, material: MaterialId, center: DVec3, half: DVec3, around: usize) {
-    let rows = (around / 2).max(2);
-    let ends = Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y);
-    builder.rings(material, rows - 1, around, &ends, |ring, at| {
-        let (up, angle) = (TURN / 2.0 * (ring + 1) as f64 / rows as f64, TURN * at as f64 / around as f64);
-        center + half * dvec3(sin(up) * cos(angle), -cos(up), -sin(up) * sin(angle))
-    });
-}
-
 /// The profile of a ball, from its lowest point to its highest.
 fn half_circle(radius: f64, around: usize) -> Vec<DVec2> {
     let rows = (around / 2).max(2);
@@ -112,96 +235,6 @@ fn half_circle(radius: f64, around: usize) -> Vec<DVec2> {
             dvec2(radius * sin(angle), -radius * cos(angle))
         })
         .collect()
-}
-
-/// A tube along an open curve, closed by flat ends. `path` and `radius` take 0 to 1.
-pub(super) fn tube(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    [around, along]: [usize; 2],
-    path: impl Fn(f64) -> DVec3,
-    radius: impl Fn(f64) -> f64,
-) {
-    ribbon(builder, material, [around, along], None, path, |t| DVec2::splat(radius(t)));
-}
-
-/// A straight rod.
-pub(super) fn rod(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    divisions: [usize; 2],
-    [from, to]: [DVec3; 2],
-    radius: f64,
-) {
-    tube(builder, material, divisions, |t| from + (to - from) * t, |_| radius);
-}
-
-/// A tube with an elliptic cross-section: `size` gives the half axes, the first across the path on the side of `side`
-/// (any direction where that does not matter), the second square to it.
-pub(super) fn ribbon(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    [around, along]: [usize; 2],
-    side: Option<DVec3>,
-    path: impl Fn(f64) -> DVec3,
-    size: impl Fn(f64) -> DVec2,
-) {
-    striped_ribbon(builder, |_, _| material, [around, along], side, path, size);
-}
-
-/// As [`ribbon`], with the material of the cell that begins at a ring and a point.
-pub(super) fn striped_ribbon(
-    builder: &mut MeshBuilder,
-    material: impl Fn(usize, usize) -> MaterialId,
-    [around, along]: [usize; 2],
-    side: Option<DVec3>,
-    path: impl Fn(f64) -> DVec3,
-    size: impl Fn(f64) -> DVec2,
-) {
-    let points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
-    let frames = carry(&points, false, side);
-    builder.striped_rings(material, points.len(), around, &Ends::Closed(points[0], points[along]), |ring, at| {
-        let angle = TURN * at as f64 / around as f64;
-        let half = size(ring as f64 / along as f64);
-        let (across, square) = frames[ring];
-        points[ring] + across * (half.x * cos(angle)) + square * (half.y * sin(angle))
-    });
-}
-
-/// A tube of constant radius along a closed curve; `path` takes 0 to 1 and comes back to its start.
-pub(super) fn loop_tube(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    [around, along]: [usize; 2],
-    path: impl Fn(f64) -> DVec3,
-    radius: f64,
-) {
-    let mut points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
-    points.pop();
-    let frames = carry(&points, true, None);
-    // Carried once around, the frame comes back turned: the difference is spread over the whole length.
-    let tangent = (points[1] - points[along - 1]).normalize_or(DVec3::Y);
-    let (across, square) = frames[along - 1];
-    let back = (across - tangent * across.dot(tangent)).normalize_or(square);
-    let turned = libm::atan2(back.dot(frames[0].1), back.dot(frames[0].0));
-    builder.rings(material, along, around, &Ends::Looped, |ring, at| {
-        let share = ring as f64 / along as f64;
-        let angle = TURN * at as f64 / around as f64 - turned * share;
-        let (across, square) = frames[ring];
-        points[ring] + (across * cos(angle) + square * sin(angle)) * radius
-    });
-}
-
-/// A ring lying in the frame's xz plane.
-pub(super) fn torus(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    divisions: [usize; 2],
-    center: DVec3,
-    [large, small]: [f64; 2],
-) {
-    let path = |t: f64| center + dvec3(large * cos(TURN * t), 0.0, -large * sin(TURN * t));
-    loop_tube(builder, material, divisions, path, small);
 }
 
 /// Two directions square to the path and to each other at each point, carried along it with as little turning as can be.
@@ -221,31 +254,4 @@ fn carry(points: &[DVec3], looped: bool, side: Option<DVec3>) -> Vec<(DVec3, DVe
         frames.push((across, tangent.cross(across)));
     }
     frames
-}
-
-/// A slab with rounded corners and edges: `half` is half its size, `square` above 2 makes the outline squarer.
-pub(super) fn slab(
-    builder: &mut MeshBuilder,
-    material: MaterialId,
-    [around, edge]: [usize; 2],
-    center: DVec3,
-    half: DVec3,
-    square: f64,
-) {
-    let bend = half.y.min(half.x).min(half.z);
-    let outline = |angle: f64, inset: f64| {
-        let power = |x: f64| libm::copysign(libm::pow(x.abs(), 2.0 / square), x);
-        dvec2((half.x - inset) * power(cos(angle)), -(half.z - inset) * power(sin(angle)))
-    };
-    builder.rings(
-        material,
-        edge + 1,
-        around,
-        &Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y),
-        |ring, at| {
-            let bow = TURN / 2.0 * (ring as f64 / edge as f64 - 0.5);
-            let flat = outline(TURN * at as f64 / around as f64, bend * (1.0 - cos(bow)));
-            center + dvec3(flat.x, half.y * sin(bow), flat.y)
-        },
-    );
 }

@@ -3,11 +3,10 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{FLOORS, Palette, SUNK, Side};
-use crate::procedural::Detail;
 use crate::procedural::builder::{Ends, MeshBuilder};
 use crate::procedural::math::{Frame, TURN, cos, mix, sin};
 use crate::procedural::parts::outline;
-use crate::procedural::shapes::{ball, cuboid, revolve, smooth_profile, steps};
+use crate::procedural::shapes::steps;
 
 /// Height of a column, of the arch above it over its feet, and of the pier, for either storey.
 struct Storey {
@@ -23,7 +22,7 @@ const STOREYS: [Storey; 2] = [
     Storey { floor: FLOORS[1], column: 2.35, rise: 1.0, top: 3.75, radius: 0.21 },
 ];
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     for (level, storey) in STOREYS.iter().enumerate() {
         for (number, side) in Side::all().iter().enumerate() {
             let here = side.frame.shift(DVec3::Y * storey.floor);
@@ -31,14 +30,14 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
                 let x = side.column(bay);
                 builder.object(format!("column {level}.{number}.{bay}"));
                 builder.frame = here.shift(DVec3::X * x);
-                column(builder, palette, detail, storey);
+                column(builder, palette, storey);
                 builder.object(format!("arch {level}.{number}.{bay}"));
                 let half = side.half / side.bays as f64;
                 builder.frame = here.shift(DVec3::X * (x + half));
-                arch(builder, palette, detail, storey, half);
+                arch(builder, palette, storey, half);
                 if level == 1 {
                     builder.object(format!("balustrade {number}.{bay}"));
-                    balustrade(builder, palette, detail, half);
+                    balustrade(builder, palette, half);
                 }
             }
         }
@@ -47,28 +46,25 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
 }
 
 /// Plinth, base, shaft with twelve flutes, capital, and the pier above.
-fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &Storey) {
+fn column(builder: &mut MeshBuilder, palette: &Palette, storey: &Storey) {
     let r = storey.radius;
-    let fine = detail.sides([2, 2, 2]);
+    let fine = builder.sides([2, 2, 2]);
     let square = |half: f64, y: f64| dvec3(half, y, half);
-    cuboid(builder, palette.stone, square(-1.55 * r, -SUNK), square(1.55 * r, 0.16), fine);
-    let base = smooth_profile(
-        &[
-            [0.0, 0.15],
-            [1.4 * r, 0.152],
-            [1.5 * r, 0.2],
-            [1.38 * r, 0.25],
-            [1.18 * r, 0.28],
-            [1.2 * r, 0.31],
-            [1.3 * r, 0.34],
-            [1.1 * r, 0.39],
-            [0.0, 0.4],
-        ],
-        detail.divide(12, 8),
-    );
-    revolve(builder, palette.stone, detail.around(18), &base);
+    builder.cuboid(palette.stone, square(-1.55 * r, -SUNK), square(1.55 * r, 0.16), fine);
+    let base = [
+        [0.0, 0.15],
+        [1.4 * r, 0.152],
+        [1.5 * r, 0.2],
+        [1.38 * r, 0.25],
+        [1.18 * r, 0.28],
+        [1.2 * r, 0.31],
+        [1.3 * r, 0.34],
+        [1.1 * r, 0.39],
+        [0.0, 0.4],
+    ];
+    builder.revolve_smooth(palette.stone, builder.bent(18, [12, 8]), &base);
     let (bottom, top) = (0.38, storey.column - 0.4);
-    let (around, rows) = (detail.around(48), detail.divide(8, 2));
+    let (around, rows) = (builder.around(48), builder.divide(8, 2));
     let ends = Ends::Closed(DVec3::Y * bottom, DVec3::Y * top);
     builder.rings(palette.marble, rows + 1, around, &ends, |ring, at| {
         let (up, angle) = (ring as f64 / rows as f64, TURN * at as f64 / around as f64);
@@ -78,35 +74,32 @@ fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: 
         dvec3(body * flute * cos(angle), mix(bottom, top, up), -body * flute * sin(angle))
     });
     let y = storey.column;
-    let capital = smooth_profile(
-        &[
-            [0.0, y - 0.42],
-            [0.95 * r, y - 0.415],
-            [1.02 * r, y - 0.38],
-            [0.93 * r, y - 0.34],
-            [0.95 * r, y - 0.24],
-            [1.25 * r, y - 0.1],
-            [1.5 * r, y - 0.07],
-            [1.4 * r, y - 0.03],
-            [0.0, y - 0.025],
-        ],
-        detail.divide(14, 8),
-    );
-    revolve(builder, palette.marble, detail.around(18), &capital);
+    let capital = [
+        [0.0, y - 0.42],
+        [0.95 * r, y - 0.415],
+        [1.02 * r, y - 0.38],
+        [0.93 * r, y - 0.34],
+        [0.95 * r, y - 0.24],
+        [1.25 * r, y - 0.1],
+        [1.5 * r, y - 0.07],
+        [1.4 * r, y - 0.03],
+        [0.0, y - 0.025],
+    ];
+    builder.revolve_smooth(palette.marble, builder.bent(18, [14, 8]), &capital);
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
         // A volute at each corner.
         let at = dvec3(x * 1.12 * r, y - 0.12, z * 1.12 * r);
-        ball(builder, palette.marble, at, 0.3 * r, detail.around(8));
+        builder.ball(palette.marble, at, 0.3 * r, builder.around(8));
     }
-    cuboid(builder, palette.stone, square(-1.5 * r, y - 0.06), square(1.5 * r, y + 0.05), fine);
+    builder.cuboid(palette.stone, square(-1.5 * r, y - 0.06), square(1.5 * r, y + 0.05), fine);
     let pier = square(1.05 * r, storey.top + 0.015);
-    cuboid(builder, palette.stone, dvec3(-pier.x, y, -pier.z), pier, [fine[0], detail.along(6), fine[2]]);
+    builder.cuboid(palette.stone, dvec3(-pier.x, y, -pier.z), pier, [fine[0], builder.along(6), fine[2]]);
 }
 
 /// The wall above an arch, from its curve to a level top, and a moulding along the curve; x = 0 is its middle.
-fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &Storey, half: f64) {
+fn arch(builder: &mut MeshBuilder, palette: &Palette, storey: &Storey, half: f64) {
     let reach = half - 0.92 * storey.radius;
-    let along = detail.divide(20, 4);
+    let along = builder.divide(20, 4);
     // Arches that meet at a corner differ in height, so that their feet do not lie in one plane.
     let foot = storey.column + if half > 1.6 { 0.027 } else { 0.02 };
     let curve = |t: f64, out: f64| {
@@ -116,7 +109,7 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
     let shares = steps(0.0, 1.0, along);
     // From the curve (x = 0) to the top (x = 1), and from back to front.
     let wall =
-        outline(&[[0.0, -0.17], [1.0, -0.17], [1.0, 0.17], [0.0, 0.17]].map(DVec2::from_array), &detail.sides([4, 2]));
+        outline(&[[0.0, -0.17], [1.0, -0.17], [1.0, 0.17], [0.0, 0.17]].map(DVec2::from_array), &builder.sides([4, 2]));
     let point = |t: f64, at: DVec2| {
         let low = curve(t, 0.0);
         dvec3(low.x, mix(low.y, storey.top, at.x), at.y)
@@ -126,7 +119,7 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
     builder.rings(palette.wall, along + 1, wall.len(), &ends, |ring, at| point(shares[ring], wall[at]));
     let moulding = outline(
         &[[-0.03, -0.21], [0.14, -0.21], [0.14, 0.21], [-0.03, 0.21]].map(DVec2::from_array),
-        &detail.sides([1, 2]),
+        &builder.sides([1, 2]),
     );
     let point = |t: f64, at: DVec2| curve(t, at.x).extend(at.y);
     let ends = Ends::Closed(point(0.0, dvec2(0.05, 0.0)), point(1.0, dvec2(0.05, 0.0)));
@@ -134,36 +127,33 @@ fn arch(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, storey: &S
 }
 
 /// A rail, a sill, and turned balusters between two columns.
-fn balustrade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, half: f64) {
+fn balustrade(builder: &mut MeshBuilder, palette: &Palette, half: f64) {
     let here = builder.frame;
     let reach = half - 0.15;
-    let divisions = detail.sides([12, 1, 2]);
+    let divisions = builder.sides([12, 1, 2]);
     let bar = |builder: &mut MeshBuilder, [y0, y1]: [f64; 2], deep: f64| {
         let min = dvec3(-reach, y0, -deep);
-        cuboid(builder, palette.stone, min, dvec3(reach, y1, deep), divisions);
+        builder.cuboid(palette.stone, min, dvec3(reach, y1, deep), divisions);
     };
     bar(builder, [-0.5 * SUNK, 0.12], 0.12);
     bar(builder, [0.92, 1.04], 0.13);
-    let profile = smooth_profile(
-        &[
-            [0.0, 0.11],
-            [0.06, 0.112],
-            [0.062, 0.16],
-            [0.035, 0.2],
-            [0.075, 0.36],
-            [0.06, 0.46],
-            [0.03, 0.62],
-            [0.032, 0.78],
-            [0.055, 0.84],
-            [0.058, 0.925],
-            [0.0, 0.93],
-        ],
-        detail.divide(12, 10),
-    );
+    let profile = [
+        [0.0, 0.11],
+        [0.06, 0.112],
+        [0.062, 0.16],
+        [0.035, 0.2],
+        [0.075, 0.36],
+        [0.06, 0.46],
+        [0.03, 0.62],
+        [0.032, 0.78],
+        [0.055, 0.84],
+        [0.058, 0.925],
+        [0.0, 0.93],
+    ];
     let count = 7;
     for number in 0..count {
         let x = (half - 0.42) * (2.0 * f64::from(number) / f64::from(count - 1) - 1.0);
         builder.frame = here.shift(DVec3::X * x);
-        revolve(builder, palette.marble, detail.around(10), &profile);
+        builder.revolve_smooth(palette.marble, builder.bent(10, [12, 10]), &profile);
     }
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{Frame, TURN};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 264_216;
@@ -70,12 +70,11 @@ impl Side {
 
 /// Builds the atrium with about `scale` times its triangles at scale 1; it does not move.
 pub(crate) fn build(scale: f64, _time_s: f64) -> Built {
-    let detail = Detail::new(scale);
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
-    shell::build(&mut builder, &palette, detail);
-    arcade::build(&mut builder, &palette, detail);
-    court::build(&mut builder, &palette, detail);
+    shell::build(&mut builder, &palette);
+    arcade::build(&mut builder, &palette);
+    court::build(&mut builder, &palette);
     Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }
 

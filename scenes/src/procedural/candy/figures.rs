@@ -5,7 +5,6 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use super::sticks::rounded;
 use super::{Candy, DURATION_S, height};
 use crate::procedural::math::{Frame, TURN, cos, sin};
-use crate::procedural::shapes::{ball, ellipsoid, ribbon, torus, tube};
 
 /// Where the gingerbread man stands.
 const MAN: [f64; 2] = [-0.2, -0.2];
@@ -20,13 +19,12 @@ pub(super) fn build(candy: &mut Candy) {
 
 /// A flat limb with round ends.
 fn limb(candy: &mut Candy, divisions: [usize; 2], [from, to]: [DVec3; 2], size: DVec2) {
-    let Candy { builder, palette, detail, .. } = candy;
+    let Candy { builder, palette, .. } = candy;
     let length = (to - from).length();
     // Across the limb, within the plane of the cookie.
     let side = (to - from).cross(DVec3::Z).normalize_or(DVec3::X);
-    let [around, along] = [detail.around(divisions[0]), detail.divide(divisions[1], 4)];
-    ribbon(
-        builder,
+    let [around, along] = [builder.around(divisions[0]), builder.divide(divisions[1], 4)];
+    builder.ribbon(
         palette.dough,
         [around, along],
         Some(side),
@@ -62,22 +60,22 @@ fn man(candy: &mut Candy) {
     }
     limb(candy, [40, 40], [dvec3(0.0, 0.33, 0.0) + up, dvec3(0.0, 0.88, 0.0) + up], dvec2(0.19, 0.066));
     let nod = 0.1 * sin(2.0 * beat + 0.6);
-    let Candy { builder, palette, detail, .. } = candy;
+    let Candy { builder, palette, .. } = candy;
     for button in 0..3 {
         let at = dvec3(0.0, 0.5 + 0.11 * f64::from(button), 0.066) + up;
-        ball(builder, palette.sweet(button as usize), at, 0.026, detail.around(16));
+        builder.ball(palette.sweet(button as usize), at, 0.026, builder.around(16));
     }
     builder.frame = builder.frame.shift(dvec3(0.0, 0.99, 0.0) + up).roll(nod);
-    ellipsoid(builder, palette.dough, DVec3::ZERO, dvec3(0.19, 0.185, 0.075), detail.around(48));
+    builder.ellipsoid(palette.dough, DVec3::ZERO, dvec3(0.19, 0.185, 0.075), builder.around(48));
     for side in [-1.0, 1.0] {
-        ball(builder, palette.white, dvec3(0.07 * side, 0.04, 0.066), 0.028, detail.around(16));
-        ball(builder, palette.chocolate, dvec3(0.07 * side, 0.04, 0.088), 0.013, detail.around(12));
+        builder.ball(palette.white, dvec3(0.07 * side, 0.04, 0.066), 0.028, builder.around(16));
+        builder.ball(palette.chocolate, dvec3(0.07 * side, 0.04, 0.088), 0.013, builder.around(12));
     }
     let smile = |t: f64| {
         let angle = TURN * (0.6 + 0.3 * t);
         dvec3(0.09 * cos(angle), 0.01 + 0.09 * sin(angle), 0.072)
     };
-    tube(builder, palette.white, detail.bend(10, [24, 4]), smile, |t| rounded(0.013, t.min(1.0 - t) * 0.17));
+    builder.tube(palette.white, builder.bent(10, [24, 4]), smile, |t| rounded(0.013, t.min(1.0 - t) * 0.17));
     builder.frame = Frame::WORLD;
 }
 
@@ -88,25 +86,25 @@ fn bear(candy: &mut Candy) {
     candy.builder.object("jelly bear");
     let stride = 6.0 * turn;
     let up = height(at[0], at[1]) + 0.012 * cos(2.0 * stride);
-    let Candy { builder, palette, detail, .. } = candy;
+    let Candy { builder, palette, .. } = candy;
     // The bear's face looks along its own +z.
     let frame = Frame::at(dvec3(at[0], up, at[1])).yaw(turn + TURN / 2.0).roll(0.06 * sin(stride));
     let jelly = palette.orange;
     builder.frame = frame;
-    ellipsoid(builder, jelly, dvec3(0.0, 0.27, 0.0), dvec3(0.125, 0.16, 0.11), detail.around(44));
-    ellipsoid(builder, jelly, dvec3(0.0, 0.47, 0.015), dvec3(0.11, 0.1, 0.1), detail.around(40));
-    ellipsoid(builder, jelly, dvec3(0.0, 0.45, 0.105), dvec3(0.05, 0.04, 0.04), detail.around(24));
-    ball(builder, palette.chocolate, dvec3(0.0, 0.463, 0.143), 0.013, detail.around(10));
-    torus(builder, palette.gold, detail.bend(10, [30, 5]), dvec3(0.0, 0.395, 0.0), [0.085, 0.014]);
+    builder.ellipsoid(jelly, dvec3(0.0, 0.27, 0.0), dvec3(0.125, 0.16, 0.11), builder.around(44));
+    builder.ellipsoid(jelly, dvec3(0.0, 0.47, 0.015), dvec3(0.11, 0.1, 0.1), builder.around(40));
+    builder.ellipsoid(jelly, dvec3(0.0, 0.45, 0.105), dvec3(0.05, 0.04, 0.04), builder.around(24));
+    builder.ball(palette.chocolate, dvec3(0.0, 0.463, 0.143), 0.013, builder.around(10));
+    builder.torus(palette.gold, builder.bent(10, [30, 5]), dvec3(0.0, 0.395, 0.0), [0.085, 0.014]);
     for side in [-1.0, 1.0] {
         let swing = 0.55 * sin(stride) * side;
         builder.frame = frame;
-        ellipsoid(builder, jelly, dvec3(0.08 * side, 0.55, 0.0), dvec3(0.04, 0.045, 0.025), detail.around(20));
-        ball(builder, palette.chocolate, dvec3(0.042 * side, 0.5, 0.098), 0.012, detail.around(10));
+        builder.ellipsoid(jelly, dvec3(0.08 * side, 0.55, 0.0), dvec3(0.04, 0.045, 0.025), builder.around(20));
+        builder.ball(palette.chocolate, dvec3(0.042 * side, 0.5, 0.098), 0.012, builder.around(10));
         builder.frame = frame.shift(dvec3(0.075 * side, 0.19, 0.0)).pitch(swing);
-        ellipsoid(builder, jelly, dvec3(0.0, -0.08, 0.015), dvec3(0.062, 0.115, 0.07), detail.around(28));
+        builder.ellipsoid(jelly, dvec3(0.0, -0.08, 0.015), dvec3(0.062, 0.115, 0.07), builder.around(28));
         builder.frame = frame.shift(dvec3(0.125 * side, 0.36, 0.0)).pitch(-1.2 * swing).roll(0.35 * side);
-        ellipsoid(builder, jelly, dvec3(0.0, -0.075, 0.0), dvec3(0.042, 0.1, 0.045), detail.around(24));
+        builder.ellipsoid(jelly, dvec3(0.0, -0.075, 0.0), dvec3(0.042, 0.1, 0.045), builder.around(24));
     }
     builder.frame = Frame::WORLD;
 }

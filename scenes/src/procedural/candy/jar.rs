@@ -4,7 +4,6 @@ use glam::{DVec3, dvec3};
 
 use super::Candy;
 use crate::procedural::math::{TURN, cos, sin};
-use crate::procedural::shapes::{ball, revolve, smooth_profile};
 
 /// Where jars stand, and their size in relation to the first.
 const JARS: [([f64; 2], f64); 3] = [([-1.4, 0.3], 1.0), ([1.9, -1.5], 1.2), ([-0.4, -2.6], 0.85)];
@@ -48,12 +47,12 @@ pub(super) fn build(candy: &mut Candy) {
     for (number, (at, size)) in JARS.into_iter().enumerate() {
         candy.layout.take(at, 0.5 * size);
         candy.place("jar", at, 0.0);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         builder.frame = builder.frame.shift(DVec3::Y * -0.01);
         let sized = |knot: [f64; 2]| knot.map(|value| value * size);
         // A multiple of the knots' number, so that the wall keeps its thickness.
-        revolve(builder, palette.glass, detail.around(52), &smooth_profile(&WALL.map(sized), 14 * detail.along(3)));
-        revolve(builder, palette.silver, detail.around(40), &smooth_profile(&LID.map(sized), 8 * detail.along(3)));
+        builder.revolve_smooth(palette.glass, [builder.around(52), 14 * builder.along(3)], &WALL.map(sized));
+        builder.revolve_smooth(palette.silver, [builder.around(40), 8 * builder.along(3)], &LID.map(sized));
         builder.object("balls in the jar");
         for layer in 0..4 {
             // Rings of balls, each layer turned against the one below.
@@ -64,7 +63,7 @@ pub(super) fn build(candy: &mut Candy) {
                     let y = 0.03 + BALL + 0.03 + 0.165 * f64::from(layer);
                     let center = dvec3(flat * cos(angle), y, flat * sin(angle)) * size;
                     let material = palette.sweet(number + (3 * layer + 2 * ring + place) as usize);
-                    ball(builder, material, center, BALL * size, detail.around(14));
+                    builder.ball(material, center, BALL * size, builder.around(14));
                 }
             }
         }

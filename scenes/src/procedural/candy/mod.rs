@@ -16,7 +16,7 @@ use glam::dvec3;
 use self::layout::Layout;
 use super::builder::{Ends, MaterialId, MeshBuilder, palette};
 use super::math::{Frame, TURN, cos, sin};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 420_836;
@@ -54,7 +54,6 @@ impl Palette {
 struct Candy {
     builder: MeshBuilder,
     palette: Palette,
-    detail: Detail,
     layout: Layout,
     time_s: f64,
 }
@@ -74,10 +73,10 @@ fn height(x: f64, z: f64) -> f64 {
 
 /// Builds the scene with about `scale` times its triangles at scale 1, at a time in seconds.
 pub(crate) fn build(scale: f64, time_s: f64) -> Built {
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
     let layout = Layout::around(&VIEWPOINTS);
-    let mut candy = Candy { builder, palette, detail: Detail::new(scale), layout, time_s };
+    let mut candy = Candy { builder, palette, layout, time_s };
     ground(&mut candy);
     figures::build(&mut candy);
     jar::build(&mut candy);
@@ -88,12 +87,12 @@ pub(crate) fn build(scale: f64, time_s: f64) -> Built {
 
 /// A round slab with a rolling upper side.
 fn ground(candy: &mut Candy) {
-    let Candy { builder, palette, detail, .. } = candy;
+    let Candy { builder, palette, .. } = candy;
     builder.object("ground");
-    let across = detail.divide(44, 4);
-    let below = detail.along(4);
+    let across = builder.divide(44, 4);
+    let below = builder.along(4);
     let ends = Ends::Closed(dvec3(0.0, -0.4, 0.0), dvec3(0.0, height(0.0, 0.0), 0.0));
-    let around = detail.divide(110, 16);
+    let around = builder.divide(110, 16);
     builder.rings(palette.ground, below + across, around, &ends, |ring, at| {
         let angle = TURN * at as f64 / around as f64;
         let under = ring < below;

@@ -5,7 +5,6 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use super::Candy;
 use crate::procedural::builder::Ends;
 use crate::procedural::math::{TURN, cos, mix, sin};
-use crate::procedural::shapes::{rod, striped_ribbon};
 
 pub(super) fn build(candy: &mut Candy) {
     canes(candy);
@@ -29,7 +28,7 @@ fn canes(candy: &mut Candy) {
         let yaw = if near { libm::atan2(at[1], -at[0]) } else { candy.layout.between(0.0, TURN) };
         let lean = candy.layout.between(-0.12, 0.12);
         candy.place("cane", at, yaw);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         builder.frame = builder.frame.roll(lean - if near { 0.12 } else { 0.0 });
         let thick = 0.045 + 0.016 * tall;
         let crook = 0.13 + 0.1 * tall;
@@ -46,7 +45,7 @@ fn canes(candy: &mut Candy) {
                 dvec3(2.0 * crook, straight - 0.1 - (way - straight - arc), 0.0)
             }
         };
-        let [around, along] = detail.bend(16, [76, 6]);
+        let [around, along] = builder.bent(16, [76, 6]);
         let colours = [palette.white, if number % 3 == 2 { palette.green } else { palette.red }];
         let turns = libm::round(5.0 * length);
         let stripe = |ring: usize, at: usize| {
@@ -54,7 +53,7 @@ fn canes(candy: &mut Candy) {
             colours[wound as usize % 2]
         };
         let size = |t: f64| DVec2::splat(rounded(thick, t.min(1.0 - t) * length));
-        striped_ribbon(builder, stripe, [around, along], None, path, size);
+        builder.striped_ribbon(stripe, [around, along], None, path, size);
     }
 }
 
@@ -66,12 +65,12 @@ fn coils(candy: &mut Candy) {
         let tall = candy.layout.between(0.8, 1.9);
         let yaw = candy.layout.between(0.0, TURN);
         candy.place("coil", at, yaw);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let rope = 0.028 + 0.012 * tall;
         let turns = 4.5;
         let radius = rope * (1.05 + 2.06 * turns);
-        let stick = detail.tube(10, 12);
-        rod(builder, palette.white, stick, [dvec3(0.0, -0.1, 0.0), dvec3(0.0, tall - 0.4 * radius, 0.0)], 0.022);
+        let stick = builder.round(10, 12);
+        builder.rod(palette.white, stick, [dvec3(0.0, -0.1, 0.0), dvec3(0.0, tall - 0.4 * radius, 0.0)], 0.022);
         builder.frame = builder.frame.shift(DVec3::Y * tall);
         let path = |t: f64| {
             // Between even in angle and even in length.
@@ -80,11 +79,11 @@ fn coils(candy: &mut Candy) {
             let from_middle = rope * (1.05 + 2.06 * turns * share);
             dvec3(from_middle * cos(angle), from_middle * sin(angle), 0.0)
         };
-        let [around, along] = detail.bend(12, [200, 8]);
+        let [around, along] = builder.bent(12, [200, 8]);
         let colours = [palette.sweet(number), palette.white, palette.sweet(number + 3), palette.white];
         let stripe = |ring: usize, _: usize| colours[(32.0 * ring as f64 / along as f64) as usize % 4];
         let size = |t: f64| DVec2::splat(rounded(rope, t.min(1.0 - t) * 60.0 * rope));
-        striped_ribbon(builder, stripe, [around, along], None, path, size);
+        builder.striped_ribbon(stripe, [around, along], None, path, size);
     }
 }
 
@@ -96,12 +95,12 @@ fn swirls(candy: &mut Candy) {
         let tall = candy.layout.between(0.7, 1.7);
         let yaw = candy.layout.between(0.0, TURN);
         candy.place("swirl", at, yaw);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let radius = 0.14 + 0.1 * tall;
-        let stick = detail.tube(10, 12);
-        rod(builder, palette.white, stick, [dvec3(0.0, -0.1, 0.0), dvec3(0.0, tall - 0.8 * radius, 0.0)], 0.02);
+        let stick = builder.round(10, 12);
+        builder.rod(palette.white, stick, [dvec3(0.0, -0.1, 0.0), dvec3(0.0, tall - 0.8 * radius, 0.0)], 0.02);
         builder.frame = builder.frame.shift(DVec3::Y * tall).pitch(TURN / 4.0);
-        let [around, rows] = [detail.divide(50, 8), detail.divide(20, 3)];
+        let [around, rows] = [builder.divide(50, 8), builder.divide(20, 3)];
         let colours = [palette.sweet(number + 1), palette.white];
         let half = dvec2(radius, 0.3 * radius);
         builder.striped_rings(

@@ -6,7 +6,6 @@ use super::Candy;
 use super::sticks::rounded;
 use crate::procedural::builder::Ends;
 use crate::procedural::math::{TURN, cos, sin, smoothstep};
-use crate::procedural::shapes::{ball, ellipsoid, revolve, rod, smooth_profile, torus, tube};
 
 pub(super) fn build(candy: &mut Candy) {
     doughnuts(candy);
@@ -26,16 +25,16 @@ fn doughnuts(candy: &mut Candy) {
         // Some lean on edge.
         let upright = number % 2 == 1;
         candy.place("doughnut", at, 1.3 * f64::from(number));
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let up = if upright { large + small } else { small };
         builder.frame = builder.frame.shift(DVec3::Y * (up - 0.02));
         if upright {
             builder.frame = builder.frame.pitch(TURN / 4.0 - 0.12);
         }
-        let divisions = detail.bend(24, [54, 8]);
-        torus(builder, palette.dough, divisions, DVec3::ZERO, [large, small]);
+        let divisions = builder.bent(24, [54, 8]);
+        builder.torus(palette.dough, divisions, DVec3::ZERO, [large, small]);
         let icing = if number % 2 == 0 { palette.pink } else { palette.chocolate };
-        torus(builder, icing, divisions, DVec3::Y * (0.13 * small), [large, 0.93 * small]);
+        builder.torus(icing, divisions, DVec3::Y * (0.13 * small), [large, 0.93 * small]);
         for sprinkle in 0..36 {
             let share = f64::from(sprinkle) / 36.0;
             let (angle, about) = (TURN * share, 0.09 * TURN * f64::from(sprinkle % 5 - 2));
@@ -44,7 +43,7 @@ fn doughnuts(candy: &mut Candy) {
             let half = dvec3(0.022, 0.007, 0.007);
             let frame = builder.frame;
             builder.frame = frame.shift(center).yaw(2.4 * f64::from(sprinkle));
-            ellipsoid(builder, palette.sweet(sprinkle as usize), DVec3::ZERO, half, detail.divide(8, 3));
+            builder.ellipsoid(palette.sweet(sprinkle as usize), DVec3::ZERO, half, builder.divide(8, 3));
             builder.frame = frame;
         }
     }
@@ -55,17 +54,17 @@ fn ring_stacks(candy: &mut Candy) {
     for number in 0..6 {
         let at = candy.layout.spot(0.28, [1.1, 4.4]);
         candy.place("ring stack", at, 0.0);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let count = 4 + number % 3;
         let (large, small) = (0.17, 0.07);
         let top = f64::from(count) * 2.05 * small + 0.1;
-        let stick = detail.tube(12, 16);
-        rod(builder, palette.white, stick, [dvec3(0.0, -0.05, 0.0), dvec3(0.0, top, 0.0)], 0.045);
-        ball(builder, palette.gold, DVec3::Y * top, 0.075, detail.around(24));
+        let stick = builder.round(12, 16);
+        builder.rod(palette.white, stick, [dvec3(0.0, -0.05, 0.0), dvec3(0.0, top, 0.0)], 0.045);
+        builder.ball(palette.gold, DVec3::Y * top, 0.075, builder.around(24));
         for ring in 0..count {
             let center = DVec3::Y * (small - 0.01 + f64::from(ring) * 2.05 * small);
             let material = palette.sweet((number * 3 + ring) as usize);
-            torus(builder, material, detail.bend(18, [40, 6]), center, [large, small]);
+            builder.torus(material, builder.bent(18, [40, 6]), center, [large, small]);
         }
     }
 }
@@ -77,10 +76,10 @@ fn wrapped(candy: &mut Candy) {
         let at = candy.layout.spot(0.26, if near { [0.9, 2.2] } else { [1.5, 4.8] });
         let yaw = candy.layout.between(0.0, TURN);
         candy.place("wrapped", at, yaw);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let (half, radius) = (0.3, 0.12 + 0.01 * (number % 3) as f64);
         builder.frame = builder.frame.shift(DVec3::Y * (radius - 0.01)).roll(TURN / 4.0);
-        let [around, rows] = [detail.divide(34, 6), detail.divide(34, 6)];
+        let [around, rows] = [builder.divide(34, 6), builder.divide(34, 6)];
         let colours = match number % 4 {
             0 => [palette.gold; 2],
             1 => [palette.silver; 2],
@@ -115,10 +114,10 @@ fn gumdrops(candy: &mut Candy) {
         let size = candy.layout.between(0.09, 0.17);
         let at = candy.layout.spot(size, if near { [0.7, 2.2] } else { [1.4, 5.2] });
         candy.place("gumdrop", at, 0.0);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         builder.frame = builder.frame.shift(DVec3::Y * -0.012);
-        let profile = smooth_profile(&DROP.map(|knot| knot.map(|value| value * size)), detail.divide(18, 6));
-        revolve(builder, palette.sweet(number), detail.around(24), &profile);
+        let knots = DROP.map(|knot| knot.map(|value| value * size));
+        builder.revolve_smooth(palette.sweet(number), builder.bent(24, [18, 6]), &knots);
     }
 }
 
@@ -129,7 +128,7 @@ fn beans(candy: &mut Candy) {
         let at = candy.layout.spot(0.075, if near { [0.6, 2.3] } else { [1.2, 5.2] });
         let yaw = candy.layout.between(0.0, TURN);
         candy.place("bean", at, yaw);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let thick = 0.038 + 0.002 * (number % 6) as f64;
         builder.frame = builder.frame.shift(DVec3::Y * (thick - 0.006)).roll(0.1 * (number % 5) as f64 - 0.2);
         let (bend, wide) = (0.09, 1.5);
@@ -138,7 +137,7 @@ fn beans(candy: &mut Candy) {
             dvec3(bend * sin(angle), 0.0, bend * (cos(angle) - 0.9))
         };
         let radius = |t: f64| rounded(thick, t.min(1.0 - t) * bend * wide);
-        tube(builder, palette.sweet(number * 2 + 1), detail.bend(14, [14, 4]), path, radius);
+        builder.tube(palette.sweet(number * 2 + 1), builder.bent(14, [14, 4]), path, radius);
     }
 }
 
@@ -149,14 +148,13 @@ fn dragees(candy: &mut Candy) {
         let radius = candy.layout.between(0.03, 0.075);
         let at = candy.layout.spot(radius, if near { [0.6, 2.0] } else { [1.2, 5.2] });
         candy.place("dragee", at, 0.0);
-        let Candy { builder, palette, detail, .. } = candy;
+        let Candy { builder, palette, .. } = candy;
         let material = if number % 2 == 0 { palette.silver } else { palette.sweet(number) };
-        ellipsoid(
-            builder,
+        builder.ellipsoid(
             material,
             DVec3::Y * (radius - 0.005),
             DVec2::splat(radius).extend(radius),
-            detail.around(16),
+            builder.around(16),
         );
     }
 }

@@ -12,8 +12,8 @@ use glam::{DVec3, dvec3};
 use self::simulation::{BALL, Cloth, RADIUS, SIDE, THICKNESS, ball_turn};
 use super::builder::MeshBuilder;
 use super::math::{Frame, TURN, cos, sin};
-use super::shapes::{revolve, steps, straight_profile};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::shapes::steps;
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 92_608;
@@ -25,20 +25,19 @@ const FLOOR: f64 = 3.0;
 
 /// Builds the scene with about `scale` times its triangles at scale 1, at a time in seconds.
 pub(crate) fn build(scale: f64, time_s: f64) -> Built {
-    let detail = Detail::new(scale);
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let floor = builder.material([0.42, 0.4, 0.38], 0.0, 0.8);
     let ball = builder.material([0.9, 0.88, 0.84], 1.0, 0.03);
     let cloth = builder.material([0.62, 0.12, 0.14], 0.0, 0.9);
 
     builder.object("floor");
-    let lines = steps(-FLOOR, FLOOR, detail.along(98));
+    let lines = steps(-FLOOR, FLOOR, builder.along(98));
     // Swapped, so that the upper side is its front.
     builder.sheet(floor, &lines, &lines, |z, x| dvec3(x, 0.0, z), |_, _| false);
 
     builder.object("ball");
     builder.frame = Frame::at(BALL).yaw(ball_turn(time_s));
-    let around = detail.around(108);
+    let around = builder.around(108);
     let rows = (around / 2).max(2);
     let profile: Vec<[f64; 2]> = (0..=rows)
         .map(|row| {
@@ -46,12 +45,12 @@ pub(crate) fn build(scale: f64, time_s: f64) -> Built {
             [if row % rows == 0 { 0.0 } else { RADIUS * sin(angle) }, -RADIUS * cos(angle)]
         })
         .collect();
-    revolve(&mut builder, ball, around, &straight_profile(&profile, 1));
+    builder.revolve_straight(ball, [around, 1], &profile);
     builder.frame = Frame::WORLD;
 
     builder.object("cloth");
     let state = Cloth::at(time_s);
-    let shares = steps(0.0, 1.0, detail.along(176));
+    let shares = steps(0.0, 1.0, builder.along(176));
     builder.sheet(cloth, &shares, &shares, |v, u| outside(state.point(u, v)), |_, _| false);
     Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }

@@ -25,12 +25,12 @@ pub(super) fn distance_to_pool(x: f64, z: f64) -> f64 {
 }
 
 pub(super) fn build(glade: &mut Glade) {
-    let Glade { builder, palette, detail, .. } = glade;
+    let Glade { builder, palette, .. } = glade;
     builder.object("ground");
-    let line = steps(-HALF, HALF, detail.divide(64, 8));
+    let line = steps(-HALF, HALF, builder.divide(64, 8));
     builder.sheet(palette.earth, &line, &line, |z, x| dvec3(x, height(x, z), z), |_, _| false);
     builder.object("pool");
-    let around = detail.around(40);
+    let around = builder.around(40);
     let (middle, radius) = (POOL.0, POOL.1 * 1.3);
     let ends = Ends::Closed(middle - DVec3::Y * 0.05, middle);
     builder.rings(palette.water, 2, around, &ends, |ring, at| {
@@ -47,7 +47,7 @@ pub(super) fn build(glade: &mut Glade) {
         let size = random.between(0.12, 0.3);
         let rest = Frame::at(at.with_y(height(at.x, at.z) + 0.2 * size)).yaw(random.between(0.0, TURN));
         builder.frame = rest;
-        let [around, rows] = detail.bend(14, [8, 2]);
+        let [around, rows] = builder.bent(14, [8, 2]);
         let phase = random.between(0.0, TURN);
         let point = |up: f64, turn: f64| {
             let bump = 1.0 + 0.12 * sin(3.0 * turn + phase) * sin(up) + 0.08 * sin(5.0 * up + 2.0 * turn);

@@ -14,7 +14,7 @@ use glam::{DVec3, dvec3};
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{TURN, sin};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 501_676;
@@ -79,17 +79,16 @@ impl Wind {
 struct Glade {
     builder: MeshBuilder,
     palette: Palette,
-    detail: Detail,
     density: Density,
     wind: Wind,
 }
 
 /// Builds the glade with about `scale` times its triangles at scale 1 as it stands at `time_s`.
 pub(crate) fn build(scale: f64, time_s: f64) -> Built {
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
-    let (detail, density, wind) = (Detail::new(scale), Density { scale }, Wind { time_s });
-    let mut glade = Glade { builder, palette, detail, density, wind };
+    let (density, wind) = (Density { scale }, Wind { time_s });
+    let mut glade = Glade { builder, palette, density, wind };
     ground::build(&mut glade);
     plants::build(&mut glade);
     ground::grass(&mut glade);

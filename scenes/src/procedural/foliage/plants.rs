@@ -4,7 +4,6 @@ use glam::{DVec3, dvec3};
 
 use super::{Glade, Wind, ground};
 use crate::procedural::math::{Random, TURN, cos, mix, sin};
-use crate::procedural::shapes::tube;
 
 /// A curved piece of wood.
 struct Branch {
@@ -99,7 +98,7 @@ fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 
     let lean = dvec3(random.between(-0.4, 0.4), height * 0.93, random.between(-0.4, 0.4));
     let bow = dvec3(random.between(-0.25, 0.25), 0.0, random.between(-0.25, 0.25));
     let trunk = Branch { from: root, to: root + lean, bow, radius: [height * 0.026, 0.02] };
-    wood(glade, &plant, glade.detail.bend(12, [16, 3]), &trunk);
+    wood(glade, &plant, glade.builder.bent(12, [16, 3]), &trunk);
     let limbs = 15;
     for limb in 0..limbs {
         let up =
@@ -110,7 +109,7 @@ fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 
         let to = from + direction(heading, random.between(0.15, 0.65)) * long;
         let thick = mix(0.055, 0.02, up);
         let limb = Branch { from, to, bow: DVec3::Y * (-0.06 * long), radius: [thick, 0.012] };
-        wood(glade, &plant, glade.detail.bend(7, [8, 2]), &limb);
+        wood(glade, &plant, glade.builder.bent(7, [8, 2]), &limb);
         for twig in 0..5 {
             let at = mix(0.35, 0.95, f64::from(twig) / 4.0);
             let side = if twig % 2 == 0 { 0.8 } else { -0.8 };
@@ -118,7 +117,7 @@ fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 
             let long = long * random.between(0.28, 0.42);
             let to = from + direction(heading + side + random.between(-0.3, 0.3), random.between(-0.2, 0.6)) * long;
             let twig = Branch { from, to, bow: DVec3::Y * (0.08 * long), radius: [0.012, 0.004] };
-            wood(glade, &plant, glade.detail.bend(5, [5, 1]), &twig);
+            wood(glade, &plant, glade.builder.bent(5, [5, 1]), &twig);
             plant.twigs.push(twig);
         }
     }
@@ -138,7 +137,7 @@ fn shrub<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64;
         let to = from + direction(heading, random.between(0.55, 1.4)) * long;
         let bow = direction(heading, 0.0) * (0.1 * long);
         let stem = Branch { from, to, bow, radius: [0.014, 0.004] };
-        wood(glade, &plant, glade.detail.bend(5, [8, 2]), &stem);
+        wood(glade, &plant, glade.builder.bent(5, [8, 2]), &stem);
         plant.twigs.push(stem);
     }
     plant
@@ -147,7 +146,7 @@ fn shrub<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64;
 fn wood(glade: &mut Glade, plant: &Plant<'_>, divisions: [usize; 2], branch: &Branch) {
     let Glade { builder, palette, wind, .. } = glade;
     let path = |t: f64| plant.blown(*wind, branch.at(t));
-    tube(builder, palette.bark[plant.kind.bark], divisions, path, |t| mix(branch.radius[0], branch.radius[1], t));
+    builder.tube(palette.bark[plant.kind.bark], divisions, path, |t| mix(branch.radius[0], branch.radius[1], t));
 }
 
 impl Plant<'_> {

@@ -3,25 +3,23 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{Motion, Palette, SUNK};
-use crate::procedural::Detail;
 use crate::procedural::builder::MeshBuilder;
 use crate::procedural::math::{Frame, Random, TURN, cos, sin};
-use crate::procedural::parts::{barrel, beam, hoop, ladder, outline, plank_crate};
-use crate::procedural::shapes::{cuboid, loop_tube, revolve, ribbon, rod, slab, straight_profile, torus};
+use crate::procedural::parts::outline;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion: &Motion) {
-    crates(builder, palette, detail);
-    barrels(builder, palette, detail);
-    pipes(builder, palette, detail);
-    tractor(builder, palette, detail, motion);
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, motion: &Motion) {
+    crates(builder, palette);
+    barrels(builder, palette);
+    pipes(builder, palette);
+    tractor(builder, palette, motion);
     builder.object("platform ladder");
     builder.frame = Frame::WORLD;
     let ends = [dvec3(-8.0, -SUNK, 6.0), dvec3(-7.4, 2.9, 4.6)];
-    ladder(builder, palette.blue, detail, ends, dvec3(0.3, 0.0, 0.12), 9);
+    builder.ladder(palette.blue, ends, dvec3(0.3, 0.0, 0.12), 9);
 }
 
 /// Stacks near the left end and under the catwalk.
-fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn crates(builder: &mut MeshBuilder, palette: &Palette) {
     let mut random = Random(31);
     let places = [
         (-26.5, -14.0, 3),
@@ -48,13 +46,13 @@ fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             // Each level is smaller than the one below, so that it stands on it.
             let size = size * (1.0 - 0.07 * f64::from(level));
             builder.frame = Frame::at(dvec3(x, y, z)).yaw(turn);
-            plank_crate(builder, [palette.wood, palette.dark_wood], detail, size);
+            builder.plank_crate([palette.wood, palette.dark_wood], size);
             y += size.y - 0.01;
         }
     }
 }
 
-fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn barrels(builder: &mut MeshBuilder, palette: &Palette) {
     let mut random = Random(77);
     for (group, (x, z)) in [(-19.0, 14.5), (12.5, -14.5), (27.0, 14.5)].into_iter().enumerate() {
         builder.object(format!("barrels {group}"));
@@ -67,40 +65,37 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             );
             builder.frame = Frame::at(at).yaw(random.between(0.0, TURN));
             if group == 1 {
-                barrel(builder, [palette.wood, palette.steel], detail, [0.38, 1.0], place % 2 == 0);
+                builder.barrel([palette.wood, palette.steel], [0.38, 1.0], place % 2 == 0);
             } else {
                 let material = if random.between(0.0, 1.0) < 0.5 { palette.blue } else { palette.red_lead };
-                let profile = straight_profile(
-                    &[
-                        [0.0, 0.0],
-                        [0.36, 0.0],
-                        [0.36, 0.33],
-                        [0.385, 0.36],
-                        [0.36, 0.39],
-                        [0.36, 0.7],
-                        [0.385, 0.73],
-                        [0.36, 0.76],
-                        [0.36, 1.05],
-                        [0.33, 1.05],
-                        [0.33, 1.02],
-                        [0.0, 1.02],
-                    ],
-                    detail.along(1),
-                );
-                revolve(builder, material, detail.around(24), &profile);
+                let profile = [
+                    [0.0, 0.0],
+                    [0.36, 0.0],
+                    [0.36, 0.33],
+                    [0.385, 0.36],
+                    [0.36, 0.39],
+                    [0.36, 0.7],
+                    [0.385, 0.73],
+                    [0.36, 0.76],
+                    [0.36, 1.05],
+                    [0.33, 1.05],
+                    [0.33, 1.02],
+                    [0.0, 1.02],
+                ];
+                builder.revolve_straight(material, builder.round(24, 1), &profile);
             }
         }
     }
 }
 
 /// Pipes stacked on bearers.
-fn pipes(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn pipes(builder: &mut MeshBuilder, palette: &Palette) {
     for (group, (x, z, turn)) in [(2.0, -9.6, 0.08), (10.0, 15.9, -0.05)].into_iter().enumerate() {
         builder.object(format!("pipes {group}"));
         builder.frame = Frame::at(dvec3(x, 0.0, z)).yaw(turn);
         for bearer in [-2.0, 0.0, 2.0] {
             let ends = [dvec3(bearer, 0.08, -0.9), dvec3(bearer, 0.08, 0.9)];
-            beam(builder, palette.dark_wood, detail.sides([2, 4]), ends, [0.1, 0.08], DVec3::Y);
+            builder.beam(palette.dark_wood, builder.sides([2, 4]), ends, [0.1, 0.08], DVec3::Y);
         }
         let here = builder.frame;
         for row in 0..3_u32 {
@@ -110,35 +105,32 @@ fn pipes(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
                 builder.frame = here.shift(dvec3(3.0, y, z)).roll(TURN / 4.0);
                 // Hollow: along the outside, back along the inside.
                 let section = [[0.11, 0.0], [0.14, 0.0], [0.14, 6.0], [0.11, 6.0]].map(DVec2::from_array);
-                let section = outline(&section, &[1, detail.along(4)]);
-                hoop(builder, palette.steel, detail.around(10), &section);
+                let section = outline(&section, &[1, builder.along(4)]);
+                builder.hoop(palette.steel, builder.around(10), &section);
             }
         }
     }
 }
 
 /// A tractor and a loaded cart behind it, rolling along their own x axis.
-fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion: &Motion) {
+fn tractor(builder: &mut MeshBuilder, palette: &Palette, motion: &Motion) {
     let start = Frame::at(dvec3(-17.5, 0.0, 8.8)).yaw(-0.06);
     let here = start.shift(DVec3::X * motion.rolled);
-    let fine = detail.along(2);
+    let fine = builder.along(2);
     let turn = -motion.rolled;
     let place = |builder: &mut MeshBuilder, middle: DVec3, radius: f64| {
         for face in [-1.0, 1.0] {
             builder.frame =
                 here.shift(dvec3(middle.x, middle.y, face * middle.z)).roll(turn / radius).pitch(TURN / 4.0);
             let thick = radius * 0.3;
-            torus(builder, palette.rubber, detail.ring(12, 28), DVec3::ZERO, [radius - thick, thick]);
-            let hub = straight_profile(
-                &[[0.0, -0.08], [radius * 0.62, -0.06], [radius * 0.62, 0.06], [0.0, 0.08]],
-                detail.along(2),
-            );
-            revolve(builder, palette.white, detail.around(12), &hub);
+            builder.torus(palette.rubber, builder.ring(12, 28), DVec3::ZERO, [radius - thick, thick]);
+            let hub = [[0.0, -0.08], [radius * 0.62, -0.06], [radius * 0.62, 0.06], [0.0, 0.08]];
+            builder.revolve_straight(palette.white, builder.round(12, 2), &hub);
             for bolt in 0..5 {
                 let angle = TURN * f64::from(bolt) / 5.0;
                 let at = dvec3(cos(angle), 0.0, sin(angle)) * (radius * 0.3);
                 let ends = [at - DVec3::Y * 0.11, at + DVec3::Y * 0.11];
-                rod(builder, palette.steel, detail.tube(6, 1), ends, 0.03);
+                builder.rod(palette.steel, builder.round(6, 1), ends, 0.03);
             }
         }
         builder.frame = here;
@@ -148,39 +140,39 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion:
     place(builder, dvec3(1.1, 0.36 - SUNK, 0.68), 0.36);
     for x in [-0.7, 1.1] {
         let y = if x < 0.0 { 0.48 } else { 0.34 };
-        rod(builder, palette.steel, [detail.around(8), fine], [dvec3(x, y, -0.75), dvec3(x, y, 0.75)], 0.05);
+        builder.rod(palette.steel, [builder.around(8), fine], [dvec3(x, y, -0.75), dvec3(x, y, 0.75)], 0.05);
     }
-    let shape = detail.bend(32, [10, 3]);
-    slab(builder, palette.yellow, shape, dvec3(0.9, 0.78, 0.0), dvec3(0.85, 0.3, 0.45), 5.0);
-    slab(builder, palette.yellow, shape, dvec3(-0.65, 0.62, 0.0), dvec3(0.85, 0.22, 0.5), 6.0);
-    slab(builder, palette.black, shape, dvec3(-0.75, 0.93, 0.0), dvec3(0.25, 0.08, 0.3), 5.0);
+    let shape = builder.bent(32, [10, 3]);
+    builder.slab(palette.yellow, shape, dvec3(0.9, 0.78, 0.0), dvec3(0.85, 0.3, 0.45), 5.0);
+    builder.slab(palette.yellow, shape, dvec3(-0.65, 0.62, 0.0), dvec3(0.85, 0.22, 0.5), 6.0);
+    builder.slab(palette.black, shape, dvec3(-0.75, 0.93, 0.0), dvec3(0.25, 0.08, 0.3), 5.0);
     let back = |t: f64| dvec3(-1.0 - 0.1 * t, 0.93 + 0.6 * t, 0.0);
-    ribbon(builder, palette.black, [shape[0], shape[1]], Some(DVec3::Z), back, |_| dvec2(0.28, 0.06));
-    rod(builder, palette.steel, [detail.around(8), fine], [dvec3(0.1, 0.95, 0.0), dvec3(-0.15, 1.3, 0.0)], 0.025);
+    builder.ribbon(palette.black, [shape[0], shape[1]], Some(DVec3::Z), back, |_| dvec2(0.28, 0.06));
+    builder.rod(palette.steel, [builder.around(8), fine], [dvec3(0.1, 0.95, 0.0), dvec3(-0.15, 1.3, 0.0)], 0.025);
     let middle = dvec3(-0.16, 1.31, 0.0);
     let rim = |t: f64| {
         let (s, c) = (sin(TURN * t), cos(TURN * t));
         middle + dvec3(0.1 * c, 0.06 * c, 0.2 * s)
     };
-    loop_tube(builder, palette.black, detail.ring(8, 28), rim, 0.018);
-    rod(builder, palette.black, detail.tube(8, 4), [dvec3(1.2, 1.0, 0.2), dvec3(1.2, 1.6, 0.2)], 0.04);
+    builder.loop_tube(palette.black, builder.ring(8, 28), rim, 0.018);
+    builder.rod(palette.black, builder.round(8, 4), [dvec3(1.2, 1.0, 0.2), dvec3(1.2, 1.6, 0.2)], 0.04);
 
     builder.object("cart");
     place(builder, dvec3(-4.6, 0.3 - SUNK, 0.72), 0.3);
     place(builder, dvec3(-2.9, 0.3 - SUNK, 0.72), 0.3);
     let min = dvec3(-5.2, 0.5, -0.7);
-    cuboid(builder, palette.green, min, dvec3(-2.3, 0.62, 0.7), [detail.along(8), fine, detail.along(4)]);
+    builder.cuboid(palette.green, min, dvec3(-2.3, 0.62, 0.7), [builder.along(8), fine, builder.along(4)]);
     for x in [-4.6, -2.9] {
         let ends = [dvec3(x, 0.3, -0.72), dvec3(x, 0.3, 0.72)];
-        rod(builder, palette.steel, [detail.around(8), fine], ends, 0.04);
+        builder.rod(palette.steel, [builder.around(8), fine], ends, 0.04);
         let ends = [dvec3(x, 0.28, 0.0), dvec3(x, 0.55, 0.0)];
-        rod(builder, palette.steel, [detail.around(8), fine], ends, 0.09);
+        builder.rod(palette.steel, [builder.around(8), fine], ends, 0.09);
     }
     let bar = [dvec3(-2.4, 0.55, 0.0), dvec3(-1.3, 0.5, 0.0)];
-    rod(builder, palette.steel, detail.tube(8, 4), bar, 0.04);
+    builder.rod(palette.steel, builder.round(8, 4), bar, 0.04);
     builder.frame = here.shift(dvec3(-4.4, 0.61, 0.0));
-    plank_crate(builder, [palette.wood, palette.dark_wood], detail, dvec3(1.2, 0.9, 1.1));
+    builder.plank_crate([palette.wood, palette.dark_wood], dvec3(1.2, 0.9, 1.1));
     builder.frame = here.shift(dvec3(-3.1, 0.61, 0.02)).yaw(0.2);
-    plank_crate(builder, [palette.wood, palette.dark_wood], detail, dvec3(0.9, 0.7, 0.95));
+    builder.plank_crate([palette.wood, palette.dark_wood], dvec3(0.9, 0.7, 0.95));
     builder.frame = Frame::WORLD;
 }

@@ -16,7 +16,7 @@ mod steel;
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::{TURN, cos};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 265_628;
@@ -72,18 +72,17 @@ impl Motion {
 
 /// Builds the hangar with about `scale` times its triangles at scale 1 as it stands at `time_s`.
 pub(crate) fn build(scale: f64, time_s: f64) -> Built {
-    let detail = Detail::new(scale);
     let motion = Motion::at(time_s);
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
-    shell::build(&mut builder, &palette, detail);
-    steel::build(&mut builder, &palette, detail);
-    crane::build(&mut builder, &palette, detail, &motion);
-    catwalk::build(&mut builder, &palette, detail);
-    aircraft::build(&mut builder, &palette, detail, &motion);
-    dock::build(&mut builder, &palette, detail);
-    ground::build(&mut builder, &palette, detail, &motion);
-    machinery::build(&mut builder, &palette, detail);
+    shell::build(&mut builder, &palette);
+    steel::build(&mut builder, &palette);
+    crane::build(&mut builder, &palette, &motion);
+    catwalk::build(&mut builder, &palette);
+    aircraft::build(&mut builder, &palette, &motion);
+    dock::build(&mut builder, &palette);
+    ground::build(&mut builder, &palette, &motion);
+    machinery::build(&mut builder, &palette);
     Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }
 

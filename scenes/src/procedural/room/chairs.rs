@@ -3,31 +3,29 @@
 use glam::dvec3;
 
 use super::{Palette, SUNK, TABLE};
-use crate::procedural::Detail;
 use crate::procedural::builder::MeshBuilder;
 use crate::procedural::math::{Frame, TURN, curve};
-use crate::procedural::shapes::{rod, slab, tube};
 
 /// Radius of a leg in metres.
 const LEG_RADIUS: f64 = 0.008;
 /// Height of the seat's middle.
 const SEAT: f64 = 0.45;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     // Place beside the table's middle and turn in turns; a chair faces its own -z.
     for (x, z, turn) in
         [(-0.42, 0.72, 0.01), (0.4, 0.78, -0.03), (-0.38, -0.74, 0.5), (0.45, -0.7, 0.485), (1.25, 0.1, 0.29)]
     {
         builder.frame = Frame::at(TABLE + dvec3(x, 0.0, z)).yaw(turn * TURN);
-        chair(builder, palette, detail);
+        chair(builder, palette);
     }
     builder.frame = Frame::WORLD;
 }
 
-fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    slab(builder, palette.wood, detail.bend(40, [6, 2]), dvec3(0.0, SEAT, 0.0), dvec3(0.21, 0.014, 0.2), 4.0);
-    let thick = detail.bend(12, [8, 2]);
-    let thin = detail.bend(8, [4, 1]);
+fn chair(builder: &mut MeshBuilder, palette: &Palette) {
+    builder.slab(palette.wood, builder.bent(40, [6, 2]), dvec3(0.0, SEAT, 0.0), dvec3(0.21, 0.014, 0.2), 4.0);
+    let thick = builder.bent(12, [8, 2]);
+    let thin = builder.bent(8, [4, 1]);
     // Legs spread towards the floor and bow a little.
     let foot = |x: f64, z: f64| dvec3(x * 0.205, -SUNK, z * 0.2);
     let hip = |x: f64, z: f64| dvec3(x * 0.165, SEAT, z * 0.155);
@@ -36,7 +34,7 @@ fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         foot(x, z) + (hip(x, z) - foot(x, z)) * t + bow
     };
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
-        tube(builder, palette.dark_wood, thick, |t| on_leg(x, z, t), |_| LEG_RADIUS);
+        builder.tube(palette.dark_wood, thick, |t| on_leg(x, z, t), |_| LEG_RADIUS);
     }
     for (from, to, height) in [
         ((-1.0, -1.0), (1.0, -1.0), 0.42),
@@ -45,7 +43,7 @@ fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         ((1.0, -1.0), (1.0, 1.0), 0.33),
     ] {
         let ends = [on_leg(from.0, from.1, height), on_leg(to.0, to.1, height)];
-        rod(builder, palette.dark_wood, thin, ends, 0.0055);
+        builder.rod(palette.dark_wood, thin, ends, 0.0055);
     }
     // The back: two posts, a bowed rail on top, spindles between.
     let rail = |t: f64| {
@@ -60,17 +58,16 @@ fn chair(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
             t,
         )
     };
-    tube(builder, palette.wood, thick, rail, |t| 0.012 + 0.01 * t * (1.0 - t));
+    builder.tube(palette.wood, thick, rail, |t| 0.012 + 0.01 * t * (1.0 - t));
     for t in [0.06, 0.94] {
         let side = if t < 0.5 { -1.0 } else { 1.0 };
         let ends = [dvec3(side * 0.165, SEAT - 0.005, 0.165), rail(t)];
-        rod(builder, palette.dark_wood, thick, ends, 0.009);
+        builder.rod(palette.dark_wood, thick, ends, 0.009);
     }
     for spindle in 1..=6 {
         let share = f64::from(spindle) / 7.0;
         let ends = [dvec3((share - 0.5) * 0.3, SEAT - 0.004, 0.176), rail(0.06 + 0.88 * share)];
-        tube(
-            builder,
+        builder.tube(
             palette.dark_wood,
             [thin[0], thick[1]],
             |t| ends[0] + (ends[1] - ends[0]) * t,

@@ -3,40 +3,36 @@
 use glam::{DVec3, dvec2, dvec3};
 
 use super::{MIN, Palette, SUNK};
-use crate::procedural::Detail;
 use crate::procedural::builder::{Ends, MeshBuilder};
 use crate::procedural::math::{Frame, Random, TURN, cos, mix, sin};
-use crate::procedural::shapes::{ball, revolve, ribbon, rod, smooth_profile, torus};
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    curtain(builder, palette, detail, -2.12, 0.3);
-    curtain(builder, palette, detail, 0.12, 1.7);
-    rod(
-        builder,
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
+    curtain(builder, palette, -2.12, 0.3);
+    curtain(builder, palette, 0.12, 1.7);
+    builder.rod(
         palette.metal,
-        detail.tube(12, 12),
+        builder.round(12, 12),
         [dvec3(-2.55, 2.52, MIN.z + 0.1), dvec3(0.55, 2.52, MIN.z + 0.1)],
         0.012,
     );
     for x in [-2.45, 0.45] {
-        rod(
-            builder,
+        builder.rod(
             palette.metal,
-            detail.tube(8, 2),
+            builder.round(8, 2),
             [dvec3(x, 2.519, MIN.z - 0.01), dvec3(x, 2.519, MIN.z + 0.1)],
             0.006,
         );
     }
-    plant(builder, palette, detail);
+    plant(builder, palette);
     builder.frame = Frame::WORLD;
-    ball(builder, palette.mirror, dvec3(-2.3, 0.28 - SUNK, -1.35), 0.28, detail.around(56));
-    torus(builder, palette.shade, detail.ring(14, 40), dvec3(0.55, 0.06 - SUNK, 1.75), [0.2, 0.06]);
+    builder.ball(palette.mirror, dvec3(-2.3, 0.28 - SUNK, -1.35), 0.28, builder.around(56));
+    builder.torus(palette.shade, builder.ring(14, 40), dvec3(0.55, 0.06 - SUNK, 1.75), [0.2, 0.06]);
 }
 
 /// A thin folded cloth around `x`: each ring runs along its front and back along its back.
-fn curtain(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64, phase: f64) {
-    let half_around = detail.divide(32, 6);
-    let rows = detail.divide(14, 2);
+fn curtain(builder: &mut MeshBuilder, palette: &Palette, x: f64, phase: f64) {
+    let half_around = builder.divide(32, 6);
+    let rows = builder.divide(14, 2);
     let (top, bottom) = (2.515, 0.05);
     let point = |row: usize, at: usize| {
         let up = row as f64 / rows as f64;
@@ -59,23 +55,20 @@ fn curtain(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64,
 }
 
 /// A pot with arching leaves, in the corner between the right and the front wall.
-fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn plant(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(dvec3(2.5, 0.0, 1.95));
-    let pot = smooth_profile(
-        &[
-            [0.0, -SUNK],
-            [0.12, -SUNK],
-            [0.135, 0.015],
-            [0.16, 0.16],
-            [0.18, 0.3],
-            [0.176, 0.31],
-            [0.168, 0.3],
-            [0.16, 0.262],
-            [0.0, 0.27],
-        ],
-        detail.divide(16, 8),
-    );
-    revolve(builder, palette.clay, detail.around(32), &pot);
+    let pot = [
+        [0.0, -SUNK],
+        [0.12, -SUNK],
+        [0.135, 0.015],
+        [0.16, 0.16],
+        [0.18, 0.3],
+        [0.176, 0.31],
+        [0.168, 0.3],
+        [0.16, 0.262],
+        [0.0, 0.27],
+    ];
+    builder.revolve_smooth(palette.clay, builder.bent(32, [16, 8]), &pot);
     let mut random = Random(7);
     let leaves = 16;
     for leaf in 0..leaves {
@@ -86,7 +79,7 @@ fn plant(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         let height = random.between(0.6, 1.05);
         let droop = random.between(0.05, 0.22);
         let path = |t: f64| out * (0.05 + reach * t * t) + DVec3::Y * (0.255 + height * (t - droop * t * t * t * t));
-        ribbon(builder, palette.leaf, detail.bend(8, [12, 4]), Some(side), path, |t| {
+        builder.ribbon(palette.leaf, builder.bent(8, [12, 4]), Some(side), path, |t| {
             let body = sin(TURN / 2.0 * (0.12 + 0.86 * t));
             dvec2(0.004 + 0.03 * body * body, 0.0012 + 0.002 * (1.0 - t))
         });

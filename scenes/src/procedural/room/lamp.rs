@@ -3,10 +3,8 @@
 use glam::{DVec3, dvec3};
 
 use super::{MAX, Palette, TABLE};
-use crate::procedural::Detail;
 use crate::procedural::builder::MeshBuilder;
 use crate::procedural::math::{Frame, TURN, cos, mix, sin};
-use crate::procedural::shapes::{ball, revolve, smooth_profile, straight_profile, torus, tube};
 
 /// Radius of the power cord in metres.
 const CORD_RADIUS: f64 = 0.003;
@@ -19,25 +17,24 @@ const NECK: f64 = 1.83;
 /// The catenary's parameter in metres: small sags deep.
 const SAG: f64 = 2.1;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     let hook = dvec3(TABLE.x, HOOK, TABLE.z);
-    cord(builder, palette, detail, hook);
+    cord(builder, palette, hook);
 
     // The hook is a ring around the cord on a short stem.
     builder.frame = Frame::at(hook + DVec3::Y * 0.004).roll(TURN / 4.0);
-    torus(builder, palette.metal, detail.ring(10, 24), DVec3::ZERO, [0.014, 0.0035]);
+    builder.torus(palette.metal, builder.ring(10, 24), DVec3::ZERO, [0.014, 0.0035]);
     builder.frame = Frame::at(hook);
-    tube(builder, palette.metal, detail.tube(10, 6), |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t), |_| 0.004);
+    builder.tube(palette.metal, builder.round(10, 6), |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t), |_| 0.004);
     builder.frame = Frame::at(OUTLET);
-    let canopy =
-        straight_profile(&[[0.0, -0.03], [0.02, -0.03], [0.05, -0.012], [0.055, 0.01], [0.0, 0.01]], detail.along(2));
-    revolve(builder, palette.metal, detail.around(32), &canopy);
-    shade(builder, palette, detail);
+    let canopy = [[0.0, -0.03], [0.02, -0.03], [0.05, -0.012], [0.055, 0.01], [0.0, 0.01]];
+    builder.revolve_straight(palette.metal, builder.round(32, 2), &canopy);
+    shade(builder, palette);
     builder.frame = Frame::WORLD;
 }
 
 /// From the outlet along a catenary to the hook, then down with the faint wave of a cord that was once coiled.
-fn cord(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec3) {
+fn cord(builder: &mut MeshBuilder, palette: &Palette, hook: DVec3) {
     let from = OUTLET - DVec3::Y * 0.025;
     let across = dvec3(hook.x - from.x, 0.0, hook.z - from.z);
     let span = across.length();
@@ -58,39 +55,33 @@ fn cord(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec
         let height = SAG * (libm::cosh((t * span - low) / SAG) - libm::cosh(low / SAG));
         from + across * t + DVec3::Y * height
     };
-    tube(builder, palette.black, detail.bend(10, [90, 8]), sagging, |_| CORD_RADIUS);
+    builder.tube(palette.black, builder.bent(10, [90, 8]), sagging, |_| CORD_RADIUS);
     let hanging = |t: f64| {
         let wave = 0.006 * t * (1.0 - t);
         let angle = 3.0 * TURN * t;
         dvec3(hook.x + wave * sin(angle), mix(hook.y + 0.002, NECK - 0.01, t), hook.z + wave * cos(angle))
     };
-    tube(builder, palette.black, detail.bend(10, [60, 8]), hanging, |_| CORD_RADIUS);
+    builder.tube(palette.black, builder.bent(10, [60, 8]), hanging, |_| CORD_RADIUS);
 }
 
-fn shade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn shade(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(dvec3(TABLE.x, NECK, TABLE.z));
-    let socket = straight_profile(
-        &[[0.0, -0.075], [0.018, -0.075], [0.02, -0.01], [0.008, 0.004], [0.0, 0.004]],
-        detail.along(2),
-    );
-    revolve(builder, palette.metal, detail.around(20), &socket);
+    let socket = [[0.0, -0.075], [0.018, -0.075], [0.02, -0.01], [0.008, 0.004], [0.0, 0.004]];
+    builder.revolve_straight(palette.metal, builder.round(20, 2), &socket);
     // A thin bell: from the top down its inside, around the rim, and up its outside.
-    let bell = smooth_profile(
-        &[
-            [0.0, -0.03],
-            [0.05, -0.036],
-            [0.11, -0.07],
-            [0.16, -0.14],
-            [0.192, -0.22],
-            [0.195, -0.221],
-            [0.197, -0.218],
-            [0.165, -0.136],
-            [0.114, -0.064],
-            [0.052, -0.031],
-            [0.0, -0.025],
-        ],
-        detail.divide(28, 10),
-    );
-    revolve(builder, palette.shade, detail.around(48), &bell);
-    ball(builder, palette.bulb, dvec3(0.0, -0.112, 0.0), 0.042, detail.around(28));
+    let bell = [
+        [0.0, -0.03],
+        [0.05, -0.036],
+        [0.11, -0.07],
+        [0.16, -0.14],
+        [0.192, -0.22],
+        [0.195, -0.221],
+        [0.197, -0.218],
+        [0.165, -0.136],
+        [0.114, -0.064],
+        [0.052, -0.031],
+        [0.0, -0.025],
+    ];
+    builder.revolve_smooth(palette.shade, builder.bent(48, [28, 10]), &bell);
+    builder.ball(palette.bulb, dvec3(0.0, -0.112, 0.0), 0.042, builder.around(28));
 }

@@ -14,7 +14,7 @@ mod table;
 use glam::{DVec3, dvec3};
 
 use super::builder::{MaterialId, MeshBuilder, palette};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 155_892;
@@ -56,23 +56,22 @@ palette! {
 
 /// Builds the room with about `scale` times its triangles at scale 1; it does not move.
 pub(crate) fn build(scale: f64, _time_s: f64) -> Built {
-    let detail = Detail::new(scale);
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
     builder.object("shell");
-    shell::build(&mut builder, &palette, detail);
+    shell::build(&mut builder, &palette);
     builder.object("table");
-    table::build(&mut builder, &palette, detail);
+    table::build(&mut builder, &palette);
     builder.object("chairs");
-    chairs::build(&mut builder, &palette, detail);
+    chairs::build(&mut builder, &palette);
     builder.object("shelf");
-    shelf::build(&mut builder, &palette, detail);
+    shelf::build(&mut builder, &palette);
     builder.object("lamp");
-    lamp::build(&mut builder, &palette, detail);
+    lamp::build(&mut builder, &palette);
     builder.object("corner");
-    corner::build(&mut builder, &palette, detail);
+    corner::build(&mut builder, &palette);
     builder.object("statue");
-    statue::build(&mut builder, &palette, detail);
+    statue::build(&mut builder, &palette);
     Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }
 

@@ -3,37 +3,34 @@
 use glam::{DVec3, dvec3};
 
 use super::{MAX, Palette, SUNK};
-use crate::procedural::Detail;
 use crate::procedural::builder::MeshBuilder;
 use crate::procedural::math::{Frame, Random, TURN, cos, sin};
-use crate::procedural::shapes::{ball, cuboid, loop_tube, plain_box, revolve, smooth_profile, torus};
+use crate::procedural::shapes::smooth_profile;
 
 /// Width, height and depth in metres.
 const SIZE: DVec3 = dvec3(1.5, 1.9, 0.3);
 /// Upper sides of the boards, from the lowest.
 const BOARDS: [f64; 5] = [0.1, 0.55, 0.98, 1.4, 1.885];
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     // In this frame x runs along the wall, z out of it, and the shelf's back is in the plane z = 0.
     let here = Frame::at(dvec3(MAX.x - 0.016, 0.0, -0.35)).yaw(-TURN / 4.0);
     builder.frame = here;
     let half = SIZE.x / 2.0;
     for x in [-half, half] {
-        cuboid(
-            builder,
+        builder.cuboid(
             palette.wood,
             dvec3(x - 0.012, -SUNK, 0.0),
             dvec3(x + 0.012, SIZE.y, SIZE.z),
-            [1, detail.along(6), 1],
+            [1, builder.along(6), 1],
         );
     }
     for y in BOARDS {
-        cuboid(
-            builder,
+        builder.cuboid(
             palette.wood,
             dvec3(-half, y - 0.02, 0.003),
             dvec3(half, y, SIZE.z - 0.004),
-            [detail.along(6), 1, 1],
+            [builder.along(6), 1, 1],
         );
     }
     let mut random = Random(20);
@@ -42,7 +39,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     books(builder, palette, here, &mut random, BOARDS[2], [-0.1, 0.7]);
     books(builder, palette, here, &mut random, BOARDS[3], [-0.7, -0.25]);
     builder.frame = here;
-    ornaments(builder, palette, detail, here);
+    ornaments(builder, palette, here);
     builder.frame = Frame::WORLD;
 }
 
@@ -65,30 +62,28 @@ fn books(
         // Leaning to the left needs room for the top on that side, and the lower right edge rises.
         let room = tall * sin(lean);
         builder.frame = here.shift(dvec3(x + room, board - 0.001, random.between(0.02, 0.05))).roll(lean);
-        plain_box(builder, cover, DVec3::ZERO, dvec3(thick, tall, deep));
+        builder.plain_box(cover, DVec3::ZERO, dvec3(thick, tall, deep));
         x += room + thick / cos(lean) + random.between(0.001, 0.003);
     }
 }
 
-fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame) {
-    let vase = smooth_profile(
-        &[
-            [0.0, -0.001],
-            [0.04, -0.001],
-            [0.05, 0.01],
-            [0.085, 0.09],
-            [0.06, 0.19],
-            [0.026, 0.25],
-            [0.038, 0.29],
-            [0.035, 0.291],
-            [0.021, 0.25],
-            [0.054, 0.19],
-            [0.079, 0.09],
-            [0.04, 0.014],
-            [0.0, 0.01],
-        ],
-        detail.divide(24, 12),
-    );
+fn ornaments(builder: &mut MeshBuilder, palette: &Palette, here: Frame) {
+    let vase = [
+        [0.0, -0.001],
+        [0.04, -0.001],
+        [0.05, 0.01],
+        [0.085, 0.09],
+        [0.06, 0.19],
+        [0.026, 0.25],
+        [0.038, 0.29],
+        [0.035, 0.291],
+        [0.021, 0.25],
+        [0.054, 0.19],
+        [0.079, 0.09],
+        [0.04, 0.014],
+        [0.0, 0.01],
+    ];
+    let vase = smooth_profile(&vase, builder.divide(24, 12));
     for (x, board, size, material) in [
         (0.3, 1, 1.0, palette.glaze),
         (0.52, 1, 0.72, palette.clay),
@@ -98,7 +93,7 @@ fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
     ] {
         let profile: Vec<_> = vase.iter().map(|&point| point * size).collect();
         builder.frame = here.shift(dvec3(x, BOARDS[board], 0.15));
-        revolve(builder, material, detail.around(24), &profile);
+        builder.revolve(material, builder.around(24), &profile);
     }
     // A trefoil knot.
     builder.frame = here.shift(dvec3(0.05, BOARDS[3] + 0.118, 0.16));
@@ -107,14 +102,14 @@ fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here:
         let reach = 2.0 + cos(3.0 * angle);
         dvec3(0.034 * reach * cos(2.0 * angle), 0.034 * reach * sin(2.0 * angle), 0.034 * sin(3.0 * angle))
     };
-    loop_tube(builder, palette.mirror, detail.bend(12, [96, 12]), knot, 0.0165);
+    builder.loop_tube(palette.mirror, builder.bent(12, [96, 12]), knot, 0.0165);
     builder.frame = here;
     for (x, y, radius, material) in [
         (-0.32, BOARDS[2] + 0.069, 0.07, palette.mirror),
         (0.3, BOARDS[3] + 0.049, 0.05, palette.fruit),
         (0.1, BOARDS[4] + 0.089, 0.09, palette.stone),
     ] {
-        ball(builder, material, dvec3(x, y, 0.15), radius, detail.around(24));
+        builder.ball(material, dvec3(x, y, 0.15), radius, builder.around(24));
     }
-    torus(builder, palette.metal, detail.ring(12, 36), dvec3(0.45, BOARDS[4] + 0.024, 0.15), [0.09, 0.025]);
+    builder.torus(palette.metal, builder.ring(12, 36), dvec3(0.45, BOARDS[4] + 0.024, 0.15), [0.09, 0.025]);
 }

@@ -3,29 +3,28 @@
 use glam::dvec3;
 
 use super::{MAX, MIN, Palette};
-use crate::procedural::Detail;
 use crate::procedural::builder::{MaterialId, MeshBuilder};
-use crate::procedural::shapes::{cuboid, plain_box, steps};
+use crate::procedural::shapes::steps;
 
 /// The window in the back wall (least z): its x and y range.
 const WINDOW: ([f64; 2], [f64; 2]) = ([-1.9, -0.1], [0.95, 2.35]);
 /// How far the window lies behind the wall.
 const RECESS: f64 = 0.28;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    walls(builder, palette, detail);
-    skirting(builder, palette, detail);
-    window_bars(builder, palette, detail);
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
+    walls(builder, palette);
+    skirting(builder, palette);
+    window_bars(builder, palette);
     door(builder, palette);
     picture(builder, palette);
 }
 
 /// The six sides share their lists of coordinates, and the recess those of its wall: every edge meets its equal.
-fn walls(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn walls(builder: &mut MeshBuilder, palette: &Palette) {
     let ([x0, x1], [y0, y1]) = WINDOW;
-    let (xs, hole_x) = divided(&[MIN.x, x0, x1, MAX.x], detail);
-    let (ys, hole_y) = divided(&[MIN.y, y0, y1, MAX.y], detail);
-    let (zs, _) = divided(&[MIN.z, 0.0, 0.0, MAX.z], detail);
+    let (xs, hole_x) = divided(builder, &[MIN.x, x0, x1, MAX.x]);
+    let (ys, hole_y) = divided(builder, &[MIN.y, y0, y1, MAX.y]);
+    let (zs, _) = divided(builder, &[MIN.z, 0.0, 0.0, MAX.z]);
     let solid = |_: usize, _: usize| false;
     let x_side = |x: f64| move |u: f64, v: f64| dvec3(x, u, v);
     let y_side = |y: f64| move |u: f64, v: f64| dvec3(u, y, v);
@@ -42,7 +41,7 @@ fn walls(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 
     let inner_x = &xs[hole_x.start..=hole_x.end];
     let inner_y = &ys[hole_y.start..=hole_y.end];
-    let depth = steps(MIN.z - RECESS, MIN.z, detail.along(1));
+    let depth = steps(MIN.z - RECESS, MIN.z, builder.along(1));
     builder.sheet(palette.sky, inner_x, inner_y, z_side(MIN.z - RECESS), solid);
     builder.sheet(palette.trim, inner_y, &depth, x_side(x0), solid);
     builder.sheet(palette.trim, &depth, inner_y, |v, u| x_side(x1)(u, v), solid);
@@ -52,7 +51,7 @@ fn walls(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 
 /// Coordinates from the first to the last of `stops`, with every stop among them, and the range of cells between the
 /// two middle stops.
-fn divided(stops: &[f64; 4], detail: Detail) -> (Vec<f64>, std::ops::Range<usize>) {
+fn divided(builder: &MeshBuilder, stops: &[f64; 4]) -> (Vec<f64>, std::ops::Range<usize>) {
     let mut all = vec![stops[0]];
     let mut ends = [0; 3];
     for part in 0..3 {
@@ -60,7 +59,7 @@ fn divided(stops: &[f64; 4], detail: Detail) -> (Vec<f64>, std::ops::Range<usize
         if to > from {
             // About 0.4 metres a cell at scale 1.
             let base = libm::ceil((to - from) / 0.4) as usize;
-            all.extend_from_slice(&steps(from, to, detail.along(base))[1..]);
+            all.extend_from_slice(&steps(from, to, builder.along(base))[1..]);
         }
         ends[part] = all.len() - 1;
     }
@@ -68,63 +67,48 @@ fn divided(stops: &[f64; 4], detail: Detail) -> (Vec<f64>, std::ops::Range<usize
 }
 
 /// Boards along the walls. They differ in height and depth so that no faces coincide where two meet.
-fn skirting(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let long = detail.along(8);
+fn skirting(builder: &mut MeshBuilder, palette: &Palette) {
+    let long = builder.along(8);
     let into = 0.02;
     for (side, height) in [(MIN.z, 0.09), (MAX.z, 0.091)] {
         let (near, far) = if side < 0.0 { (side - into, side + 0.014) } else { (side - 0.014, side + into) };
-        cuboid(
-            builder,
-            palette.trim,
-            dvec3(MIN.x - into, -0.010, near),
-            dvec3(MAX.x + into, height, far),
-            [long, 1, 1],
-        );
+        builder.cuboid(palette.trim, dvec3(MIN.x - into, -0.010, near), dvec3(MAX.x + into, height, far), [long, 1, 1]);
     }
     for (side, height) in [(MIN.x, 0.087), (MAX.x, 0.086)] {
         let (near, far) = if side < 0.0 { (side - 0.03, side + 0.013) } else { (side - 0.013, side + 0.03) };
-        cuboid(
-            builder,
-            palette.trim,
-            dvec3(near, -0.012, MIN.z - 0.03),
-            dvec3(far, height, MAX.z + 0.03),
-            [1, 1, long],
-        );
+        builder.cuboid(palette.trim, dvec3(near, -0.012, MIN.z - 0.03), dvec3(far, height, MAX.z + 0.03), [1, 1, long]);
     }
 }
 
-fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn window_bars(builder: &mut MeshBuilder, palette: &Palette) {
     let ([x0, x1], [y0, y1]) = WINDOW;
     let sunk = 0.01;
     let back = MIN.z - RECESS + 0.05;
     let upright = |builder: &mut MeshBuilder, material: MaterialId, x: f64, half: f64, z: f64| {
-        cuboid(
-            builder,
+        builder.cuboid(
             material,
             dvec3(x - half, y0 - sunk, back - z),
             dvec3(x + half, y1 + sunk, back + z),
-            [1, detail.along(4), 1],
+            [1, builder.along(4), 1],
         );
     };
     upright(builder, palette.trim, (x0 + x1) / 2.0, 0.02, 0.020);
     upright(builder, palette.trim, x0 + 0.45, 0.009, 0.012);
     upright(builder, palette.trim, x1 - 0.45, 0.009, 0.012);
     for y in [1.42, 1.88] {
-        cuboid(
-            builder,
+        builder.cuboid(
             palette.trim,
             dvec3(x0 - sunk, y - 0.008, back - 0.010),
             dvec3(x1 + sunk, y + 0.008, back + 0.010),
-            [detail.along(6), 1, 1],
+            [builder.along(6), 1, 1],
         );
     }
     // The sill stands out into the room.
-    cuboid(
-        builder,
+    builder.cuboid(
         palette.wood,
         dvec3(x0 - 0.06, y0 - 0.03, MIN.z - RECESS - 0.02),
         dvec3(x1 + 0.06, y0 + 0.006, MIN.z + 0.07),
-        [detail.along(6), 1, 1],
+        [builder.along(6), 1, 1],
     );
 }
 
@@ -133,7 +117,7 @@ fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
 fn door(builder: &mut MeshBuilder, palette: &Palette) {
     let wall = MIN.x;
     let part = |builder: &mut MeshBuilder, material, [z0, z1]: [f64; 2], [y0, y1]: [f64; 2], out: f64| {
-        plain_box(builder, material, dvec3(wall - 0.01 - out, y0, z0), dvec3(wall + out, y1, z1));
+        builder.plain_box(material, dvec3(wall - 0.01 - out, y0, z0), dvec3(wall + out, y1, z1));
     };
     part(builder, palette.wood, [0.35, 1.25], [-0.02, 2.06], 0.03);
     part(builder, palette.trim, [0.27, 0.36], [-0.03, 2.05], 0.042);
@@ -149,7 +133,7 @@ fn door(builder: &mut MeshBuilder, palette: &Palette) {
 fn picture(builder: &mut MeshBuilder, palette: &Palette) {
     let wall = MAX.x;
     let mut part = |material, [z0, z1]: [f64; 2], [y0, y1]: [f64; 2], out: f64| {
-        plain_box(builder, material, dvec3(wall - out, y0, z0), dvec3(wall + 0.01 + out, y1, z1));
+        builder.plain_box(material, dvec3(wall - out, y0, z0), dvec3(wall + 0.01 + out, y1, z1));
     };
     part(palette.dark_wood, [0.9, 2.1], [1.2, 2.1], 0.035);
     part(palette.sky, [0.96, 2.04], [1.26, 2.04], 0.038);
@@ -169,9 +153,9 @@ mod tests {
     #[test]
     fn every_edge_of_the_shell_has_its_equal() {
         for scale in [0.001, 0.05, 1.0, 7.3] {
-            let mut builder = MeshBuilder::new();
+            let mut builder = MeshBuilder::new(scale);
             let palette = Palette::new(&mut builder);
-            walls(&mut builder, &palette, Detail::new(scale));
+            walls(&mut builder, &palette);
             let mesh = builder.finish();
             let key = |index: u32| mesh.positions[index as usize].map(|value| (value + 0.0).to_bits());
             let mut edges: HashMap<_, i32> = HashMap::new();

@@ -3,51 +3,46 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{Palette, STATUE, SUNK};
-use crate::procedural::Detail;
 use crate::procedural::builder::{Ends, MeshBuilder};
 use crate::procedural::math::{Frame, TURN, bell, cos, sin, smoothstep, spline};
-use crate::procedural::shapes::{revolve, straight_profile};
 
 /// Height of the plinth's upper side.
 const PLINTH: f64 = 0.72;
 /// Height of the figure.
 const HEIGHT: f64 = 1.3;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(STATUE);
-    plinth(builder, palette, detail);
+    plinth(builder, palette);
     // The figure's face looks along its own +x; turned towards the entrance.
     builder.frame = Frame::at(STATUE + DVec3::Y * (PLINTH - 0.004)).yaw(0.64 * TURN);
-    figure(builder, palette, detail);
+    figure(builder, palette);
     builder.frame = Frame::WORLD;
 }
 
-fn plinth(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let profile = straight_profile(
-        &[
-            [0.0, -SUNK],
-            [0.33, -SUNK],
-            [0.33, 0.06],
-            [0.31, 0.08],
-            [0.285, 0.1],
-            [0.27, 0.14],
-            [0.265, 0.6],
-            [0.275, 0.63],
-            [0.3, 0.65],
-            [0.31, 0.67],
-            [0.31, 0.715],
-            [0.305, PLINTH],
-            [0.0, PLINTH],
-        ],
-        detail.along(1),
-    );
-    revolve(builder, palette.stone, detail.around(64), &profile);
+fn plinth(builder: &mut MeshBuilder, palette: &Palette) {
+    let profile = [
+        [0.0, -SUNK],
+        [0.33, -SUNK],
+        [0.33, 0.06],
+        [0.31, 0.08],
+        [0.285, 0.1],
+        [0.27, 0.14],
+        [0.265, 0.6],
+        [0.275, 0.63],
+        [0.3, 0.65],
+        [0.31, 0.67],
+        [0.31, 0.715],
+        [0.305, PLINTH],
+        [0.0, PLINTH],
+    ];
+    builder.revolve_straight(palette.stone, builder.round(64, 1), &profile);
 }
 
 /// Rings around a swaying line: an ellipse that changes with height, folded like cloth below, with a face above.
-fn figure(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    let around = detail.divide(224, 8);
-    let rows = detail.divide(206, 12);
+fn figure(builder: &mut MeshBuilder, palette: &Palette) {
+    let around = builder.divide(224, 8);
+    let rows = builder.divide(206, 12);
     let center = |v: f64| dvec3(0.022 * sin(TURN * 0.9 * v) - 0.01 * v, HEIGHT * v, 0.035 * sin(TURN * 0.75 * v + 0.4));
     let start = center(0.0);
     let end = center(1.0);

@@ -3,68 +3,65 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{HEIGHT, Palette, SUNK, tools};
-use crate::procedural::Detail;
 use crate::procedural::builder::{Ends, MeshBuilder};
-use crate::procedural::furnish::border;
 use crate::procedural::math::{Frame, Random, TURN, cos, mix, sin};
-use crate::procedural::parts::{beam, hoop, outline};
-use crate::procedural::shapes::{ball, cuboid, revolve, ribbon, rod, slab, smooth_profile, tube};
+use crate::procedural::parts::outline;
 
 /// Middle of the hearth on the floor.
 const HEARTH: DVec3 = dvec3(-3.6, 0.0, -2.6);
 /// Middle of the anvil's stump on the floor.
 const ANVIL: DVec3 = dvec3(-1.7, 0.0, -1.3);
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     builder.object("hearth");
-    hearth(builder, palette, detail);
+    hearth(builder, palette);
     builder.object("hood");
-    hood(builder, palette, detail);
+    hood(builder, palette);
     builder.object("bellows");
-    bellows(builder, palette, detail);
+    bellows(builder, palette);
     builder.object("anvil");
-    anvil(builder, palette, detail);
+    anvil(builder, palette);
     builder.object("trough");
-    trough(builder, palette, detail);
+    trough(builder, palette);
     builder.object("grindstone");
-    grindstone(builder, palette, detail);
+    grindstone(builder, palette);
     builder.frame = Frame::WORLD;
 }
 
 /// Brickwork, a rim around the fire, coals and irons in it.
-fn hearth(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn hearth(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(HEARTH);
-    let two = detail.along(2);
+    let two = builder.along(2);
     let mut random = Random(15);
-    cuboid(builder, palette.brick, dvec3(-1.0, -SUNK, -0.8), dvec3(1.0, 0.8, 0.8), [two, two, two]);
+    builder.cuboid(palette.brick, dvec3(-1.0, -SUNK, -0.8), dvec3(1.0, 0.8, 0.8), [two, two, two]);
     for course in 0..6 {
         let y = 0.02 + 0.13 * f64::from(course);
         for brick in 0..8 {
             let x = -1.01 + 0.25 * f64::from(brick) + 0.06 * f64::from(course % 2);
             let out = random.between(0.012, 0.03);
             let min = dvec3(x, y, 0.7);
-            cuboid(builder, palette.brick, min, dvec3(x + 0.23, y + 0.115, 0.8 + out), [two, two, two]);
+            builder.cuboid(palette.brick, min, dvec3(x + 0.23, y + 0.115, 0.8 + out), [two, two, two]);
         }
     }
     let (inner, outer) = (dvec2(0.55, 0.42), dvec2(0.82, 0.66));
-    border(builder, palette.stone, [detail.along(4), two, two], [inner, outer], [0.76, 0.95]);
+    builder.border(palette.stone, [builder.along(4), two, two], [inner, outer], [0.76, 0.95]);
     for coal in 0..90 {
         let (x, z) = (random.between(-0.5, 0.5), random.between(-0.37, 0.37));
         let y = 0.82 + 0.12 * (1.0 - x * x * 4.0) * random.between(0.2, 1.0);
         let material = if coal % 3 == 0 { palette.ember } else { palette.coal };
-        ball(builder, material, dvec3(x, y, z), random.between(0.03, 0.055), detail.around(8));
+        builder.ball(material, dvec3(x, y, z), random.between(0.03, 0.055), builder.around(8));
     }
     for bar in 0..4 {
         let from = dvec3(-0.2 + 0.15 * f64::from(bar), 0.92, 0.1);
         let to = from + dvec3(random.between(0.1, 0.5), random.between(0.06, 0.12), 0.95);
-        rod(builder, palette.iron, detail.tube(8, 8), [from, to], 0.014);
+        builder.rod(palette.iron, builder.round(8, 8), [from, to], 0.014);
     }
 }
 
 /// A hollow pyramid of sheet and a chimney through the ceiling's boards.
-fn hood(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn hood(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(HEARTH);
-    let side = detail.along(10);
+    let side = builder.along(10);
     let rings = [(1.02, 0.82, 1.9), (1.02, 0.82, 2.05), (0.4, 0.36, 3.0), (0.34, 0.3, HEIGHT + 0.05)];
     // Down the inside, then up the outside.
     let thick = 0.03;
@@ -79,50 +76,46 @@ fn hood(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     });
     for (x, z) in [(-0.95, 0.75), (0.95, 0.75)] {
         let ends = [dvec3(x, 0.75, z), dvec3(x, 2.0, z)];
-        rod(builder, palette.iron, detail.tube(10, 8), ends, 0.025);
+        builder.rod(palette.iron, builder.round(10, 8), ends, 0.025);
     }
 }
 
 /// Two boards, a pleated leather between them, a nozzle into the fire, on a trestle.
-fn bellows(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn bellows(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(HEARTH + dvec3(1.75, 0.95, 0.15)).yaw(0.1);
-    let shape = detail.bend(32, [5, 2]);
+    let shape = builder.bent(32, [5, 2]);
     for (y, wide) in [(-0.2, 0.33), (0.22, 0.34)] {
-        slab(builder, palette.wood, shape, dvec3(0.1, y, 0.0), dvec3(0.55, 0.022, wide), 3.0);
+        builder.slab(palette.wood, shape, dvec3(0.1, y, 0.0), dvec3(0.55, 0.022, wide), 3.0);
     }
-    let rows = detail.divide(24, 6);
-    let around = detail.around(36);
+    let rows = builder.divide(24, 6);
+    let around = builder.around(36);
     let ends = Ends::Closed(dvec3(0.1, -0.19, 0.0), dvec3(0.1, 0.21, 0.0));
     builder.rings(palette.leather, rows + 1, around, &ends, |ring, at| {
         let (up, angle) = (ring as f64 / rows as f64, TURN * at as f64 / around as f64);
         let pleat = 0.86 + 0.07 * sin(TURN * 3.0 * up);
         dvec3(0.1 + 0.52 * pleat * cos(angle), mix(-0.19, 0.21, up), -0.31 * pleat * sin(angle))
     });
-    tube(
-        builder,
+    builder.tube(
         palette.copper,
-        detail.bend(14, [10, 3]),
+        builder.bent(14, [10, 3]),
         |t| dvec3(mix(-0.4, -1.15, t), -0.02 * t, 0.0),
         |t| mix(0.07, 0.03, t),
     );
     for x in [-0.25, 0.45] {
         for z in [-0.25, 0.25] {
             let ends = [dvec3(x * 1.1, -0.95 - SUNK, z * 1.2), dvec3(x, -0.18, z)];
-            beam(builder, palette.dark_wood, detail.sides([2, 4]), ends, [0.035, 0.035], DVec3::X);
+            builder.beam(palette.dark_wood, builder.sides([2, 4]), ends, [0.035, 0.035], DVec3::X);
         }
     }
     let handle = [dvec3(0.6, 0.23, 0.0), dvec3(1.15, 0.4, 0.0)];
-    rod(builder, palette.wood, detail.tube(10, 6), handle, 0.025);
+    builder.rod(palette.wood, builder.round(10, 6), handle, 0.025);
 }
 
 /// A stump with hoops, the anvil on it, and a hammer on the anvil.
-fn anvil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn anvil(builder: &mut MeshBuilder, palette: &Palette) {
     builder.frame = Frame::at(ANVIL).yaw(0.4);
-    let stump = smooth_profile(
-        &[[0.0, -SUNK], [0.33, -SUNK], [0.3, 0.12], [0.28, 0.4], [0.285, 0.56], [0.0, 0.565]],
-        detail.divide(16, 5),
-    );
-    revolve(builder, palette.dark_wood, detail.around(40), &stump);
+    let stump = [[0.0, -SUNK], [0.33, -SUNK], [0.3, 0.12], [0.28, 0.4], [0.285, 0.56], [0.0, 0.565]];
+    builder.revolve_smooth(palette.dark_wood, builder.bent(40, [16, 5]), &stump);
     let here = builder.frame;
     for (y, radius) in [(0.14, 0.3), (0.45, 0.285)] {
         let band = outline(
@@ -130,65 +123,61 @@ fn anvil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
                 .map(DVec2::from_array),
             &[1],
         );
-        hoop(builder, palette.iron, detail.around(40), &band);
+        builder.hoop(palette.iron, builder.around(40), &band);
     }
-    let two = detail.along(2);
+    let two = builder.along(2);
     let block = |builder: &mut MeshBuilder, [x, z]: [f64; 2], [y0, y1]: [f64; 2]| {
-        cuboid(builder, palette.steel, dvec3(-x, y0, -z), dvec3(x, y1, z), [two, two, two]);
+        builder.cuboid(palette.steel, dvec3(-x, y0, -z), dvec3(x, y1, z), [two, two, two]);
     };
     block(builder, [0.2, 0.12], [0.55, 0.62]);
     block(builder, [0.11, 0.06], [0.61, 0.74]);
     block(builder, [0.24, 0.075], [0.73, 0.85]);
     let horn = |t: f64| dvec3(mix(0.2, 0.52, t), 0.79 + 0.035 * t, 0.0);
-    ribbon(builder, palette.polished, detail.bend(20, [20, 4]), Some(DVec3::Z), horn, |t| {
+    builder.ribbon(palette.polished, builder.bent(20, [20, 4]), Some(DVec3::Z), horn, |t| {
         dvec2(0.065, 0.055) * libm::sqrt(1.0 - 0.98 * t)
     });
     builder.frame = here.shift(dvec3(-0.1, 0.868, -0.2)).pitch(-TURN / 4.0).yaw(0.2);
-    tools::hammer(builder, palette, detail, 0.36);
+    tools::hammer(builder, palette, 0.36);
 }
 
 /// A stone trough with water in it and tongs over its rim.
-fn trough(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn trough(builder: &mut MeshBuilder, palette: &Palette) {
     let here = Frame::at(dvec3(-0.4, 0.0, -2.9)).yaw(0.06);
     builder.frame = here;
-    let two = detail.along(2);
-    border(
-        builder,
+    let two = builder.along(2);
+    builder.border(
         palette.stone,
-        [detail.along(6), two, detail.along(4)],
+        [builder.along(6), two, builder.along(4)],
         [dvec2(0.55, 0.22), dvec2(0.68, 0.34)],
         [-SUNK, 0.55],
     );
-    cuboid(builder, palette.stone, dvec3(-0.6, -0.004, -0.28), dvec3(0.6, 0.1, 0.28), [two, two, two]);
-    cuboid(builder, palette.water, dvec3(-0.58, 0.09, -0.26), dvec3(0.58, 0.44, 0.26), [two, two, two]);
+    builder.cuboid(palette.stone, dvec3(-0.6, -0.004, -0.28), dvec3(0.6, 0.1, 0.28), [two, two, two]);
+    builder.cuboid(palette.water, dvec3(-0.58, 0.09, -0.26), dvec3(0.58, 0.44, 0.26), [two, two, two]);
     for tool in 0..4 {
         builder.frame = here.shift(dvec3(-0.4 + 0.27 * f64::from(tool), 0.95, 0.3)).pitch(0.55);
-        tools::tongs(builder, palette, detail, 0.62);
+        tools::tongs(builder, palette, 0.62);
     }
 }
 
 /// A stone wheel with a crank between two trestles, over a box.
-fn grindstone(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn grindstone(builder: &mut MeshBuilder, palette: &Palette) {
     let here = Frame::at(dvec3(1.5, 0.0, 0.1)).yaw(0.7);
     builder.frame = here.shift(DVec3::Y * 0.8).pitch(TURN / 4.0);
-    let profile = smooth_profile(
-        &[[0.0, -0.07], [0.36, -0.065], [0.4, -0.05], [0.405, 0.0], [0.4, 0.05], [0.36, 0.065], [0.0, 0.07]],
-        detail.divide(20, 7),
-    );
-    revolve(builder, palette.stone, detail.around(56), &profile);
+    let profile = [[0.0, -0.07], [0.36, -0.065], [0.4, -0.05], [0.405, 0.0], [0.4, 0.05], [0.36, 0.065], [0.0, 0.07]];
+    builder.revolve_smooth(palette.stone, builder.bent(56, [20, 7]), &profile);
     builder.frame = here;
     let axle = [dvec3(0.0, 0.8, -0.3), dvec3(0.0, 0.8, 0.36)];
-    rod(builder, palette.iron, detail.tube(12, 6), axle, 0.02);
+    builder.rod(palette.iron, builder.round(12, 6), axle, 0.02);
     let crank = [dvec3(0.0, 0.8, 0.34), dvec3(0.16, 0.66, 0.345)];
-    rod(builder, palette.iron, detail.tube(10, 4), crank, 0.016);
+    builder.rod(palette.iron, builder.round(10, 4), crank, 0.016);
     let grip = [dvec3(0.15, 0.665, 0.33), dvec3(0.15, 0.665, 0.5)];
-    rod(builder, palette.wood, detail.tube(12, 4), grip, 0.02);
+    builder.rod(palette.wood, builder.round(12, 4), grip, 0.02);
     for z in [-0.18, 0.18] {
         for x in [-0.35, 0.35] {
             let ends = [dvec3(x, -SUNK, z), dvec3(0.1 * x, 0.84, z * 0.98)];
-            beam(builder, palette.wood, detail.sides([2, 6]), ends, [0.03, 0.03], DVec3::Z);
+            builder.beam(palette.wood, builder.sides([2, 6]), ends, [0.03, 0.03], DVec3::Z);
         }
     }
     builder.frame = here.shift(DVec3::Y * 0.1);
-    tools::open_box(builder, palette.dark_wood, detail, dvec3(0.7, 0.3, 0.26));
+    tools::open_box(builder, palette.dark_wood, dvec3(0.7, 0.3, 0.26));
 }

@@ -11,7 +11,7 @@ mod store;
 mod tools;
 
 use super::builder::{MaterialId, MeshBuilder, palette};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 350_616;
@@ -45,13 +45,12 @@ palette! {
 
 /// Builds the smithy with about `scale` times its triangles at scale 1; it does not move.
 pub(crate) fn build(scale: f64, _time_s: f64) -> Built {
-    let detail = Detail::new(scale);
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
-    shell::build(&mut builder, &palette, detail);
-    forge::build(&mut builder, &palette, detail);
-    store::build(&mut builder, &palette, detail);
-    hanging::build(&mut builder, &palette, detail);
+    shell::build(&mut builder, &palette);
+    forge::build(&mut builder, &palette);
+    store::build(&mut builder, &palette);
+    hanging::build(&mut builder, &palette);
     Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }
 

@@ -3,31 +3,29 @@
 use glam::{DVec3, dvec3};
 
 use super::{HALF, HEIGHT, Palette};
-use crate::procedural::Detail;
 use crate::procedural::builder::{MaterialId, MeshBuilder};
 use crate::procedural::math::{Frame, Random, TURN};
-use crate::procedural::parts::beam;
-use crate::procedural::shapes::{cuboid, plain_box, steps};
+use crate::procedural::shapes::steps;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     builder.object("walls");
-    inside(builder, palette.wall, detail);
+    inside(builder, palette.wall);
     let [x, z] = HALF.map(|half| half + 0.35);
-    let around = detail.sides([10, 6, 10]);
-    cuboid(builder, palette.stone, dvec3(-x, -0.4, -z), dvec3(x, HEIGHT + 0.35, z), around);
+    let around = builder.sides([10, 6, 10]);
+    builder.cuboid(palette.stone, dvec3(-x, -0.4, -z), dvec3(x, HEIGHT + 0.35, z), around);
     builder.object("flagstones");
     flagstones(builder, palette);
     builder.object("panelling");
     panelling(builder, palette);
     builder.object("beams");
-    beams(builder, palette, detail);
+    beams(builder, palette);
 }
 
 /// The room's six sides, seen from inside.
-fn inside(builder: &mut MeshBuilder, material: MaterialId, detail: Detail) {
+fn inside(builder: &mut MeshBuilder, material: MaterialId) {
     let [x, z] = HALF;
-    let (xs, zs) = (steps(-x, x, detail.along(20)), steps(-z, z, detail.along(16)));
-    let ys = steps(0.0, HEIGHT, detail.along(8));
+    let (xs, zs) = (steps(-x, x, builder.along(20)), steps(-z, z, builder.along(16)));
+    let ys = steps(0.0, HEIGHT, builder.along(8));
     let solid = |_: usize, _: usize| false;
     // du x dv points inwards.
     builder.sheet(material, &ys, &zs, |v, u| dvec3(-x, v, u), solid);
@@ -52,7 +50,7 @@ fn flagstones(builder: &mut MeshBuilder, palette: &Palette) {
             let end = if x + wide > half_x - 0.5 { half_x } else { x + wide };
             let top = random.between(0.008, 0.016);
             let [low, high] = [dvec3(x + 0.008, -0.05, z + 0.008), dvec3(end - 0.008, top, z + deep - 0.008)];
-            plain_box(builder, palette.stone, low, high);
+            builder.plain_box(palette.stone, low, high);
             x = end;
         }
     }
@@ -73,38 +71,38 @@ fn panelling(builder: &mut MeshBuilder, palette: &Palette) {
             let material = if random.between(0.0, 1.0) < 0.5 { palette.board } else { palette.wood };
             let (min, max) =
                 (dvec3(x + 0.006, -0.03 - 0.004 * f64::from(turn), -thick), dvec3(x + wide - 0.006, high, thick));
-            plain_box(builder, material, min, max);
+            builder.plain_box(material, min, max);
         }
     }
     builder.frame = Frame::WORLD;
 }
 
 /// Posts with braces along the long walls, beams across, rafters along, boards above these.
-fn beams(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn beams(builder: &mut MeshBuilder, palette: &Palette) {
     let mut random = Random(7);
-    let divisions = detail.sides([2, 8]);
+    let divisions = builder.sides([2, 8]);
     let [half_x, half_z] = HALF;
     for at in 0..5 {
         let x = -4.4 + 2.2 * f64::from(at);
         let across = [dvec3(x, 3.45, -half_z - 0.06), dvec3(x, 3.45, half_z + 0.06)];
-        beam(builder, palette.dark_wood, divisions, across, [0.13, 0.1], DVec3::Y);
+        builder.beam(palette.dark_wood, divisions, across, [0.13, 0.1], DVec3::Y);
         for face in [-1.0, 1.0] {
             let z = face * (half_z - 0.08);
             let post = [dvec3(x + 0.005, -0.02, z), dvec3(x + 0.005, 3.4, z)];
-            beam(builder, palette.dark_wood, divisions, post, [0.09, 0.1], DVec3::X);
+            builder.beam(palette.dark_wood, divisions, post, [0.09, 0.1], DVec3::X);
             let brace = [dvec3(x, 2.5, face * (half_z - 0.15)), dvec3(x, 3.38, face * (half_z - 1.0))];
-            beam(builder, palette.dark_wood, divisions, brace, [0.05, 0.07], DVec3::X);
+            builder.beam(palette.dark_wood, divisions, brace, [0.05, 0.07], DVec3::X);
         }
     }
     for at in 0..7 {
         let z = -3.6 + 1.2 * f64::from(at);
         let along = [dvec3(-half_x - 0.08, 3.65, z), dvec3(half_x + 0.08, 3.65, z)];
-        beam(builder, palette.wood, divisions, along, [0.1, 0.06], DVec3::Y);
+        builder.beam(palette.wood, divisions, along, [0.1, 0.06], DVec3::Y);
     }
     for at in 0..33 {
         let x = -4.95 + 0.3 * f64::from(at);
         let y = 3.765 + random.between(0.0, 0.01);
         let min = dvec3(x + 0.008, y, -half_z - random.between(0.03, 0.09));
-        plain_box(builder, palette.board, min, dvec3(x + 0.292, y + 0.03, half_z + random.between(0.03, 0.09)));
+        builder.plain_box(palette.board, min, dvec3(x + 0.292, y + 0.03, half_z + random.between(0.03, 0.09)));
     }
 }

@@ -3,39 +3,35 @@
 use glam::{DVec3, dvec2, dvec3};
 
 use super::{HALF, Palette, SUNK, tools};
-use crate::procedural::Detail;
 use crate::procedural::builder::MeshBuilder;
-use crate::procedural::furnish::wheel;
 use crate::procedural::math::{Frame, Random, TURN, cos, sin};
-use crate::procedural::parts::{barrel, beam, ladder, plank_crate};
-use crate::procedural::shapes::{ball, cuboid, rod};
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
-    barrels(builder, palette, detail);
-    crates(builder, palette, detail);
-    wheels(builder, palette, detail);
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
+    barrels(builder, palette);
+    crates(builder, palette);
+    wheels(builder, palette);
     for (number, (x, z, turn)) in
         [(3.2, -HALF[1] + 0.42, 0.0), (0.9, -HALF[1] + 0.42, 0.0), (HALF[0] - 0.42, -0.6, -TURN / 4.0)]
             .into_iter()
             .enumerate()
     {
         builder.object(format!("shelf {number}"));
-        shelf(builder, palette, detail, Frame::at(dvec3(x, 0.0, z)).yaw(turn), number as u64);
+        shelf(builder, palette, Frame::at(dvec3(x, 0.0, z)).yaw(turn), number as u64);
     }
     for (number, (x, z, long)) in [(-1.4, HALF[1] - 0.55, 2.8), (1.9, HALF[1] - 0.52, 2.2)].into_iter().enumerate() {
         builder.object(format!("bench {number}"));
-        bench(builder, palette, detail, Frame::at(dvec3(x, 0.0, z)), long, number as u64);
+        bench(builder, palette, Frame::at(dvec3(x, 0.0, z)), long, number as u64);
     }
     builder.object("table");
-    bench(builder, palette, detail, Frame::at(dvec3(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
+    bench(builder, palette, Frame::at(dvec3(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
     builder.object("ladder");
     builder.frame = Frame::WORLD;
     let ends = [dvec3(-2.6, -SUNK, 2.2), dvec3(-3.1, 3.4, 3.3)];
-    ladder(builder, palette.wood, detail, ends, dvec3(0.25, 0.0, 0.11), 11);
+    builder.ladder(palette.wood, ends, dvec3(0.25, 0.0, 0.11), 11);
 }
 
 /// Closed ones with sacks on them, open ones full of rods, swords and handles.
-fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn barrels(builder: &mut MeshBuilder, palette: &Palette) {
     let mut random = Random(21);
     let places = [
         (-4.4, -0.7, true),
@@ -55,7 +51,7 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         let here = Frame::at(dvec3(x, -SUNK, z)).yaw(random.between(0.0, TURN));
         builder.frame = here;
         let size = [random.between(0.27, 0.32), random.between(0.75, 0.92)];
-        barrel(builder, [palette.wood, palette.iron], detail, size, open);
+        builder.barrel([palette.wood, palette.iron], size, open);
         if open {
             for stick in 0..9 {
                 let angle = TURN * (f64::from(stick) + random.between(-0.3, 0.3)) / 9.0;
@@ -66,22 +62,22 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
                 let top = out * (away * 1.25) + DVec3::Y * high;
                 if stick % 3 == 0 {
                     builder.frame = here.span(top, foot, DVec3::X).pitch(TURN / 2.0);
-                    tools::sword(builder, palette, detail, high * 0.92);
+                    tools::sword(builder, palette, high * 0.92);
                     builder.frame = here;
                 } else {
                     let material = if stick % 2 == 0 { palette.iron } else { palette.wood };
-                    rod(builder, material, detail.tube(8, 6), [foot, top], random.between(0.008, 0.016));
+                    builder.rod(material, builder.round(8, 6), [foot, top], random.between(0.008, 0.016));
                 }
             }
         } else {
             builder.frame = here.shift(DVec3::Y * (0.955 * size[1]));
-            tools::coil(builder, palette, detail, 0.2);
+            tools::coil(builder, palette, 0.2);
         }
     }
 }
 
 /// Crates, and open boxes with boxes, pots and balls in them.
-fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn crates(builder: &mut MeshBuilder, palette: &Palette) {
     let mut random = Random(22);
     let places = [
         (4.35, 2.3, 2),
@@ -99,27 +95,27 @@ fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         for level in 0..high {
             let size = dvec3(0.72, 0.56, 0.68) * (1.0 - 0.08 * f64::from(level)) * random.between(0.9, 1.05);
             builder.frame = Frame::at(dvec3(x, y, z)).yaw(random.between(-0.2, 0.2));
-            plank_crate(builder, [palette.board, palette.dark_wood], detail, size);
+            builder.plank_crate([palette.board, palette.dark_wood], size);
             y += size.y - 0.005;
         }
         let here = Frame::at(dvec3(x, y, z)).yaw(random.between(-0.3, 0.3));
         builder.frame = here;
-        tools::open_box(builder, palette.wood, detail, dvec3(0.52, 0.3, 0.46));
+        tools::open_box(builder, palette.wood, dvec3(0.52, 0.3, 0.46));
         builder.frame = here.shift(dvec3(-0.08, 0.011, 0.0)).yaw(0.1);
-        tools::open_box(builder, palette.board, detail, dvec3(0.26, 0.22, 0.3));
+        tools::open_box(builder, palette.board, dvec3(0.26, 0.22, 0.3));
         builder.frame = here.shift(dvec3(-0.08, 0.021, 0.0));
-        tools::pot(builder, palette.clay, detail, dvec2(0.09, 0.24));
+        tools::pot(builder, palette.clay, dvec2(0.09, 0.24));
         builder.frame = here;
         for shot in 0..7 {
             let at =
                 dvec3(0.15 + random.between(-0.05, 0.05), 0.05 + 0.045 * f64::from(shot), random.between(-0.13, 0.13));
-            ball(builder, palette.iron, at, 0.042, detail.around(10));
+            builder.ball(palette.iron, at, 0.042, builder.around(10));
         }
     }
 }
 
 /// Wagon wheels that lean against each other and the walls, one lying on a trestle of crates.
-fn wheels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+fn wheels(builder: &mut MeshBuilder, palette: &Palette) {
     let places = [
         (dvec3(4.75, 0.52, 0.0), TURN / 4.0, -1.35, 0.55),
         (dvec3(4.55, 0.48, 0.05), TURN / 4.0, -1.3, 0.5),
@@ -131,27 +127,27 @@ fn wheels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
     for (number, (at, turn, lean, radius)) in places.into_iter().enumerate() {
         builder.object(format!("wheel {number}"));
         builder.frame = Frame::at(at).yaw(turn).pitch(lean);
-        wheel(builder, [palette.wood, palette.iron], detail, [radius, 0.035], 12);
+        builder.wheel([palette.wood, palette.iron], [radius, 0.035], 12);
     }
 }
 
 /// Boards between posts with rows of pots within pots, boxes, buckets and coils.
-fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame, seed: u64) {
+fn shelf(builder: &mut MeshBuilder, palette: &Palette, here: Frame, seed: u64) {
     let mut random = Random(300 + seed);
-    let two = detail.along(2);
+    let two = builder.along(2);
     let half = 1.05;
     builder.frame = here;
     for x in [-half, half] {
         for z in [-0.275, 0.275] {
             let ends = [dvec3(x, -SUNK, z), dvec3(x, 2.55, z)];
-            beam(builder, palette.dark_wood, [two, detail.along(6)], ends, [0.03, 0.03], DVec3::X);
+            builder.beam(palette.dark_wood, [two, builder.along(6)], ends, [0.03, 0.03], DVec3::X);
         }
     }
     for level in 0..5 {
         let y = 0.14 + 0.55 * f64::from(level);
         builder.frame = here;
         let min = dvec3(-half - 0.02, y - 0.03, -0.285);
-        cuboid(builder, palette.board, min, dvec3(half + 0.02, y, 0.285), [detail.along(6), two, two]);
+        builder.cuboid(palette.board, min, dvec3(half + 0.02, y, 0.285), [builder.along(6), two, two]);
         let mut x = -half + 0.05;
         while x < half - 0.3 {
             let kind = random.between(0.0, 1.0);
@@ -166,18 +162,18 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
                     let share = 1.0 - 0.27 * f64::from(nested);
                     builder.frame = place.shift(DVec3::Y * (0.06 * high * f64::from(nested)));
                     let material = materials[(seed as usize + nested as usize + level as usize) % 3];
-                    tools::pot(builder, material, detail, dvec2(radius, high) * share);
+                    tools::pot(builder, material, dvec2(radius, high) * share);
                 }
             } else if kind < 0.7 {
-                tools::bucket(builder, palette, detail, 0.75);
+                tools::bucket(builder, palette, 0.75);
             } else if kind < 0.85 {
-                tools::coil(builder, palette, detail, radius * 0.85);
+                tools::coil(builder, palette, radius * 0.85);
             } else {
                 builder.frame = place.shift(DVec3::ZERO).yaw(0.0);
-                tools::open_box(builder, palette.wood, detail, dvec3(radius * 1.3, 0.2, radius * 1.3));
+                tools::open_box(builder, palette.wood, dvec3(radius * 1.3, 0.2, radius * 1.3));
                 for shot in 0..4 {
                     let at = dvec3(0.0, 0.05 + 0.06 * f64::from(shot), 0.02 * f64::from(shot % 2));
-                    ball(builder, palette.polished, at, 0.038, detail.around(12));
+                    builder.ball(palette.polished, at, 0.038, builder.around(12));
                 }
             }
             x += 2.0 * radius + random.between(0.01, 0.05);
@@ -186,21 +182,21 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
 }
 
 /// A bench with a lower board; hammers, tongs, boxes and pots lie on it, buckets and sacks below.
-fn bench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame, long: f64, seed: u64) {
+fn bench(builder: &mut MeshBuilder, palette: &Palette, here: Frame, long: f64, seed: u64) {
     let mut random = Random(700 + seed);
-    let two = detail.along(2);
+    let two = builder.along(2);
     let half = long / 2.0;
     builder.frame = here;
     let board = |builder: &mut MeshBuilder, y: f64, thick: f64, deep: f64| {
         let min = dvec3(-half, y - thick, -deep);
-        cuboid(builder, palette.wood, min, dvec3(half, y, deep), [detail.along(8), two, two]);
+        builder.cuboid(palette.wood, min, dvec3(half, y, deep), [builder.along(8), two, two]);
     };
     board(builder, 0.9, 0.06, 0.4);
     board(builder, 0.26, 0.03, 0.375);
     for x in [-half + 0.1, half - 0.1] {
         for z in [-0.33, 0.33] {
             let ends = [dvec3(x, -SUNK, z), dvec3(x, 0.87, z)];
-            beam(builder, palette.dark_wood, [two, detail.along(4)], ends, [0.045, 0.05], DVec3::X);
+            builder.beam(palette.dark_wood, [two, builder.along(4)], ends, [0.045, 0.05], DVec3::X);
         }
     }
     let count = libm::round(long / 0.32) as usize;
@@ -211,34 +207,34 @@ fn bench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Fra
         match thing % 4 {
             0 => {
                 builder.frame = place.shift(dvec3(0.0, 0.028, -0.2)).yaw(turn).pitch(-TURN / 4.0).yaw(TURN / 4.0);
-                tools::hammer(builder, palette, detail, 0.38);
+                tools::hammer(builder, palette, 0.38);
             }
             1 => {
                 builder.frame = place.shift(DVec3::Y * -0.002);
-                tools::pot(builder, palette.copper, detail, dvec2(0.12, 0.22));
+                tools::pot(builder, palette.copper, dvec2(0.12, 0.22));
                 builder.frame = place.shift(DVec3::Y * 0.012);
-                tools::pot(builder, palette.glaze, detail, dvec2(0.08, 0.26));
+                tools::pot(builder, palette.glaze, dvec2(0.08, 0.26));
             }
             2 => {
                 builder.frame = place.shift(dvec3(0.0, 0.012, -0.28)).yaw(turn).pitch(-TURN / 4.0);
-                tools::tongs(builder, palette, detail, 0.55);
+                tools::tongs(builder, palette, 0.55);
             }
             _ => {
                 builder.frame = place.shift(DVec3::Y * -0.006).yaw(turn);
-                tools::open_box(builder, palette.board, detail, dvec3(0.24, 0.16, 0.3));
+                tools::open_box(builder, palette.board, dvec3(0.24, 0.16, 0.3));
                 for shoe in 0..4 {
                     builder.frame = place
                         .shift(dvec3(-0.06 + 0.04 * f64::from(shoe), 0.18, 0.0))
                         .yaw(TURN / 4.0 + 0.2 * f64::from(shoe));
-                    tools::horseshoe(builder, palette, detail);
+                    tools::horseshoe(builder, palette);
                 }
             }
         }
         builder.frame = here.shift(dvec3(x, 0.257, random.between(-0.06, 0.06))).yaw(random.between(0.0, TURN));
         match thing % 3 {
-            0 => tools::bucket(builder, palette, detail, 0.8),
-            1 => tools::sack(builder, palette, detail, 0.55),
-            _ => tools::coil(builder, palette, detail, 0.13),
+            0 => tools::bucket(builder, palette, 0.8),
+            1 => tools::sack(builder, palette, 0.55),
+            _ => tools::coil(builder, palette, 0.13),
         }
     }
 }

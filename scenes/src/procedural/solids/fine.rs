@@ -5,7 +5,6 @@ use glam::{DVec3, dvec3};
 use super::Solids;
 use crate::procedural::builder::{Ends, MaterialId};
 use crate::procedural::math::{Frame, TURN, cos, sin, smoothstep};
-use crate::procedural::shapes::{loop_tube, revolve, straight_profile, torus, tube};
 
 pub(super) fn build(solids: &mut Solids) {
     knots(solids);
@@ -23,9 +22,9 @@ fn knots(solids: &mut Solids) {
         (amber, [-3.95, 0.55], [2.0, 5.0], 0.34, 0.05),
     ] {
         solids.place("knot", at, 0.0, 0.3);
-        let Solids { builder, palette, detail } = solids;
-        let foot = straight_profile(&[[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.24, 0.24], [0.0, 0.24]], detail.along(3));
-        revolve(builder, palette.stone, detail.around(40), &foot);
+        let Solids { builder, palette } = solids;
+        let foot = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.24, 0.24], [0.0, 0.24]];
+        builder.revolve_straight(palette.stone, builder.round(40, 3), &foot);
         // On edge, so that one looks through it.
         builder.frame = builder.frame.shift(DVec3::Y * (0.26 + 1.5 * size + thick)).pitch(TURN / 4.0);
         let path = |t: f64| {
@@ -33,7 +32,7 @@ fn knots(solids: &mut Solids) {
             let wide = size * (1.0 + 0.45 * cos(about));
             dvec3(wide * cos(along), size * 0.45 * sin(about), wide * sin(along))
         };
-        loop_tube(builder, material, detail.bend(17, [230, 12]), path, thick);
+        builder.loop_tube(material, builder.bent(17, [230, 12]), path, thick);
         builder.frame = Frame::WORLD;
     }
 }
@@ -42,7 +41,7 @@ fn knots(solids: &mut Solids) {
 fn springs(solids: &mut Solids) {
     for (at, height, turns) in [([-1.0, -2.6], 1.3, 6.0), ([1.95, 0.95], 0.8, 4.0), ([0.2, 3.9], 0.9, 5.0)] {
         solids.place("spring", at, 0.0, 0.0);
-        let Solids { builder, palette, detail } = solids;
+        let Solids { builder, palette } = solids;
         for (number, material) in [palette.green, palette.gold].into_iter().enumerate() {
             let (radius, wire) = (0.27 - 0.12 * number as f64, 0.035);
             let path = |t: f64| {
@@ -51,7 +50,7 @@ fn springs(solids: &mut Solids) {
             };
             // Ends taper like drawn wire.
             let thick = |t: f64| wire * (0.3 + 0.7 * smoothstep(0.0, 0.02, t) * smoothstep(0.0, 0.02, 1.0 - t));
-            tube(builder, material, detail.bend(10, [140, 15]), path, thick);
+            builder.tube(material, builder.bent(10, [140, 15]), path, thick);
         }
     }
 }
@@ -61,12 +60,12 @@ fn chain(solids: &mut Solids) {
     for (at, links, drop) in [([1.0, 0.3], 4, 1.75), ([-0.6, -1.4], 5, 1.6), ([-1.4, 2.9], 4, 1.4)] {
         solids.place("chain", at, drop, 0.4);
         for number in 0..links {
-            let Solids { builder, palette, detail } = solids;
+            let Solids { builder, palette } = solids;
             let turned = if number % 2 == 0 { 0.0 } else { TURN / 4.0 };
             let frame = builder.frame;
             builder.frame = frame.shift(DVec3::Y * (0.21 * f64::from(number))).yaw(turned).pitch(TURN / 4.0);
             let material = if number == 1 { palette.gold } else { palette.glass(number as usize + 3) };
-            torus(builder, material, detail.bend(10, [28, 8]), DVec3::ZERO, [0.14, 0.03]);
+            builder.torus(material, builder.bent(10, [28, 8]), DVec3::ZERO, [0.14, 0.03]);
             builder.frame = frame;
         }
     }
@@ -87,12 +86,12 @@ fn gears(solids: &mut Solids) {
 
 /// A gear about the frame's y axis, with a hole for its axle: a section that is led once around.
 fn gear(solids: &mut Solids, material: MaterialId, teeth: usize, phase: f64) {
-    let Solids { builder, detail, .. } = solids;
+    let Solids { builder, .. } = solids;
     // Eight points make a tooth; fewer would not.
-    let around = teeth * detail.divide(8, 4);
+    let around = teeth * builder.divide(8, 4);
     let pitch = 0.0264 * teeth as f64;
-    let across = detail.divide(4, 1);
-    let wide = detail.divide(6, 1);
+    let across = builder.divide(4, 1);
+    let wide = builder.divide(6, 1);
     // Once around the section: up outside, in over the top, down the hole, out below.
     let corners = [(1.0, -0.5), (1.0, 0.5), (0.0, 0.5), (0.0, -0.5)];
     let divisions = [across, wide, across, wide];

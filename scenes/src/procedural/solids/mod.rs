@@ -13,8 +13,8 @@ use glam::dvec3;
 
 use super::builder::{MaterialId, MeshBuilder, palette};
 use super::math::Frame;
-use super::shapes::{revolve, straight_profile};
-use super::{Built, Detail, NamedPose, cameras, path};
+use super::shapes::straight_profile;
+use super::{Built, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 149_990;
@@ -52,7 +52,6 @@ impl Palette {
 struct Solids {
     builder: MeshBuilder,
     palette: Palette,
-    detail: Detail,
 }
 
 impl Solids {
@@ -65,9 +64,9 @@ impl Solids {
 
 /// Builds the solids with about `scale` times their triangles at scale 1; they do not move.
 pub(crate) fn build(scale: f64, _time_s: f64) -> Built {
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::new(scale);
     let palette = Palette::new(&mut builder);
-    let mut solids = Solids { builder, palette, detail: Detail::new(scale) };
+    let mut solids = Solids { builder, palette };
     dome(&mut solids);
     turned::build(&mut solids);
     nested::build(&mut solids);
@@ -77,12 +76,12 @@ pub(crate) fn build(scale: f64, _time_s: f64) -> Built {
 
 /// A thick shell all around, with a flat floor, and a stage on it.
 fn dome(solids: &mut Solids) {
-    let Solids { builder, palette, detail } = solids;
-    let around = detail.divide(80, 24);
-    let rows = detail.divide(24, 8);
+    let Solids { builder, palette } = solids;
+    let around = builder.divide(80, 24);
+    let rows = builder.divide(24, 8);
+    let across = builder.along(6);
     let profile = |radius: f64, floor: f64| {
         let mut knots = vec![[0.0, floor]];
-        let across = detail.along(6);
         knots.extend((1..=across).map(|at| [radius * at as f64 / across as f64, floor]));
         knots.extend((if floor < 0.0 { 0 } else { 1 }..=rows).map(|at| {
             let angle = std::f64::consts::FRAC_PI_2 * at as f64 / rows as f64;
@@ -92,13 +91,13 @@ fn dome(solids: &mut Solids) {
         straight_profile(&knots, 1)
     };
     builder.object("dome");
-    revolve(builder, palette.dome, around, &profile(DOME + 0.15, -0.15));
+    builder.revolve(palette.dome, around, &profile(DOME + 0.15, -0.15));
     let mut inside = profile(DOME, 0.0);
     inside.reverse();
-    revolve(builder, palette.dome, around, &inside);
+    builder.revolve(palette.dome, around, &inside);
     builder.object("stage");
-    let stage = straight_profile(&[[0.0, GAP], [4.7, GAP], [4.75, 0.05], [4.7, STAGE], [0.0, STAGE]], detail.along(4));
-    revolve(builder, palette.stage, around, &stage);
+    let stage = [[0.0, GAP], [4.7, GAP], [4.75, 0.05], [4.7, STAGE], [0.0, STAGE]];
+    builder.revolve_straight(palette.stage, [around, builder.along(4)], &stage);
 }
 
 const VIEWPOINTS: [NamedPose; 6] = [

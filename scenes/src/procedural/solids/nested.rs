@@ -4,7 +4,6 @@ use glam::{DVec3, dvec3};
 
 use super::Solids;
 use crate::procedural::math::{Frame, TURN};
-use crate::procedural::shapes::{ball, cuboid, plain_box, void};
 
 pub(super) fn build(solids: &mut Solids) {
     shells(solids);
@@ -16,19 +15,19 @@ pub(super) fn build(solids: &mut Solids) {
 /// Hollow balls in hollow balls around a full one: ten surfaces through the middle.
 fn shells(solids: &mut Solids) {
     solids.place("shells", [-1.75, -0.6], 0.74, 0.0);
-    let Solids { builder, palette, detail } = solids;
+    let Solids { builder, palette } = solids;
     for (number, radius) in [0.74, 0.56, 0.4].into_iter().enumerate() {
-        ball(builder, palette.glass(3 * number + 2), DVec3::ZERO, radius, detail.around(46));
-        void(builder, palette.glass(3 * number + 2), DVec3::ZERO, radius - 0.07, detail.around(42));
+        builder.ball(palette.glass(3 * number + 2), DVec3::ZERO, radius, builder.around(46));
+        builder.void(palette.glass(3 * number + 2), DVec3::ZERO, radius - 0.07, builder.around(42));
     }
-    ball(builder, palette.gold, DVec3::ZERO, 0.24, detail.around(36));
+    builder.ball(palette.gold, DVec3::ZERO, 0.24, builder.around(36));
 }
 
 /// Balls of other materials in one ball, so that rays go from solid into solid.
 fn bubbles(solids: &mut Solids) {
     solids.place("bubbles", [1.75, -1.25], 0.62, 0.3);
-    let Solids { builder, palette, detail } = solids;
-    ball(builder, palette.clear, DVec3::ZERO, 0.62, detail.around(56));
+    let Solids { builder, palette } = solids;
+    builder.ball(palette.clear, DVec3::ZERO, 0.62, builder.around(56));
     for (number, (center, radius)) in [
         (dvec3(0.24, 0.1, 0.1), 0.17),
         (dvec3(-0.22, 0.18, 0.14), 0.13),
@@ -39,7 +38,7 @@ fn bubbles(solids: &mut Solids) {
     .into_iter()
     .enumerate()
     {
-        ball(builder, palette.glass(number), center, radius, detail.around(28));
+        builder.ball(palette.glass(number), center, radius, builder.around(28));
     }
 }
 
@@ -51,17 +50,17 @@ fn boxes(solids: &mut Solids) {
             .enumerate()
     {
         solids.place("box", at, half + above, 0.25 + 0.9 * number as f64);
-        let Solids { builder, palette, detail } = solids;
-        let cells = detail.along(7);
+        let Solids { builder, palette } = solids;
+        let cells = builder.along(7);
         if above > 0.0 {
             builder.frame = builder.frame.roll(TURN / 8.0).pitch(0.615);
         }
-        cuboid(builder, palette.glass(number + 5), DVec3::splat(-half), DVec3::splat(half), [cells; 3]);
+        builder.cuboid(palette.glass(number + 5), DVec3::splat(-half), DVec3::splat(half), [cells; 3]);
         builder.frame = builder.frame.yaw(0.4).roll(0.5);
         let inner = half * 0.55;
-        cuboid(builder, palette.glass(number + 1), DVec3::splat(-inner), DVec3::splat(inner), [cells; 3]);
+        builder.cuboid(palette.glass(number + 1), DVec3::splat(-inner), DVec3::splat(inner), [cells; 3]);
         builder.frame = builder.frame.pitch(0.7);
-        plain_box(builder, palette.gold, DVec3::splat(-inner * 0.5), DVec3::splat(inner * 0.5));
+        builder.plain_box(palette.gold, DVec3::splat(-inner * 0.5), DVec3::splat(inner * 0.5));
         builder.frame = Frame::WORLD;
     }
 }
@@ -69,12 +68,12 @@ fn boxes(solids: &mut Solids) {
 /// Panes of glass one behind the other: seen along the row, two layers each.
 fn panes(solids: &mut Solids) {
     solids.place("panes", [2.95, -0.75], 0.0, 0.1 * TURN);
-    let Solids { builder, palette, detail } = solids;
+    let Solids { builder, palette } = solids;
     for number in 0..5 {
         let at = f64::from(number) * 0.16 - 0.32;
         let (low, high) = (dvec3(-0.4, 0.0, at), dvec3(0.4, 0.8, at + 0.03));
-        let cells = [detail.along(8), detail.along(8), 1];
-        cuboid(builder, palette.glass(number as usize), low, high, cells);
+        let cells = [builder.along(8), builder.along(8), 1];
+        builder.cuboid(palette.glass(number as usize), low, high, cells);
     }
     builder.frame = Frame::WORLD;
 }

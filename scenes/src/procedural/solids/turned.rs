@@ -4,7 +4,6 @@ use glam::{DVec3, dvec3};
 
 use super::Solids;
 use crate::procedural::math::{Frame, TURN, cos, sin};
-use crate::procedural::shapes::{ball, ellipsoid, revolve, smooth_profile, straight_profile};
 
 pub(super) fn build(solids: &mut Solids) {
     vases(solids);
@@ -40,11 +39,10 @@ fn vases(solids: &mut Solids) {
         [([-2.9, 1.0], 1.15), ([3.4, -1.7], 1.3), ([-0.2, -3.6], 1.2), ([-3.9, -0.6], 0.8)].into_iter().enumerate()
     {
         solids.place("vase", at, 0.004, 0.0);
-        let Solids { builder, palette, detail } = solids;
+        let Solids { builder, palette } = solids;
         let knots = VASE.map(|knot| knot.map(|value| value * size));
         // A multiple of the knots' number, so that the walls keep their thickness.
-        let profile = smooth_profile(&knots, 14 * detail.along(3));
-        revolve(builder, palette.glass(number), detail.around(38), &profile);
+        builder.revolve_smooth(palette.glass(number), [builder.around(38), 14 * builder.along(3)], &knots);
     }
 }
 
@@ -69,16 +67,15 @@ const GOBLET: [[f64; 2]; 14] = [
 fn goblets(solids: &mut Solids) {
     for at in [[0.9, 2.3], [1.35, 2.05], [1.1, 2.75], [-0.1, 2.85]] {
         solids.place("goblet", at, 0.0, 0.0);
-        let Solids { builder, palette, detail } = solids;
-        let profile = smooth_profile(&GOBLET, 13 * detail.along(3));
-        revolve(builder, palette.clear, detail.around(26), &profile);
+        let Solids { builder, palette } = solids;
+        builder.revolve_smooth(palette.clear, [builder.around(26), 13 * builder.along(3)], &GOBLET);
     }
 }
 
 /// A bowl with marbles that lie in it, apart from each other.
 fn bowl(solids: &mut Solids) {
     solids.place("bowl", [-1.3, 1.9], 0.0, 0.0);
-    let Solids { builder, palette, detail } = solids;
+    let Solids { builder, palette } = solids;
     let arc = |radius: f64, from: f64, to: f64, count: usize| -> Vec<[f64; 2]> {
         (0..=count)
             .map(|at| {
@@ -87,21 +84,21 @@ fn bowl(solids: &mut Solids) {
             })
             .collect()
     };
-    let rows = detail.divide(16, 4);
+    let rows = builder.divide(16, 4);
     let mut knots = vec![[0.0, 0.0]];
     // Up on the outside, with a little flat foot, and down on the inside.
     knots
         .extend(arc(0.6, 0.05 * TURN, 0.24 * TURN, rows).into_iter().map(|[x, y]| [x, if y < 0.03 { 0.0 } else { y }]));
     knots.extend(arc(0.57, 0.01 * TURN, 0.24 * TURN, rows).into_iter().rev());
     knots.push([0.0, 0.03]);
-    revolve(builder, palette.violet, detail.around(48), &straight_profile(&knots, 1));
+    builder.revolve_straight(palette.violet, [builder.around(48), 1], &knots);
     builder.object("marbles");
     for number in 0..7 {
         let angle = TURN * number as f64 / 6.0;
         let (flat, y) = if number == 6 { (0.0, 0.145) } else { (0.26, 0.222) };
         let center = dvec3(flat * cos(angle), y, flat * sin(angle));
         let material = if number % 3 == 0 { palette.chrome } else { palette.glass(number) };
-        ball(builder, material, center, 0.105, detail.around(24));
+        builder.ball(material, center, 0.105, builder.around(24));
     }
 }
 
@@ -110,10 +107,10 @@ fn lenses(solids: &mut Solids) {
     for (number, curve) in [0.16, 0.1, -0.05, 0.13].into_iter().enumerate() {
         let along = number as f64 * 0.42;
         solids.place("lens", [-3.0 + 0.905 * along, -2.7 + 0.426 * along], 0.0, 0.18 * TURN);
-        let Solids { builder, palette, detail } = solids;
+        let Solids { builder, palette } = solids;
         let (radius, half) = (0.42, 0.055);
         builder.frame = builder.frame.shift(DVec3::Y * radius).pitch(TURN / 4.0);
-        let rows = detail.divide(9, 3);
+        let rows = builder.divide(9, 3);
         // Of thickness half at the rim and curve more in the middle; the hollow one is thick at the rim.
         let rim = if curve < 0.0 { half - curve } else { half * 0.3 };
         let side = |at: usize| {
@@ -122,7 +119,7 @@ fn lenses(solids: &mut Solids) {
         };
         let mut knots: Vec<[f64; 2]> = (0..=rows).map(side).map(|[x, y]| [x, -y]).collect();
         knots.extend((0..=rows).rev().map(side));
-        revolve(builder, palette.glass(number + 4), detail.around(34), &straight_profile(&knots, 1));
+        builder.revolve_straight(palette.glass(number + 4), [builder.around(34), 1], &knots);
     }
 }
 
@@ -140,10 +137,10 @@ fn crystals(solids: &mut Solids) {
     .enumerate()
     {
         solids.place("crystal", at, 0.0, 0.1 * TURN * number as f64);
-        let Solids { builder, palette, detail } = solids;
+        let Solids { builder, palette } = solids;
         let wide = 0.16 + 0.09 * height;
         let knots = [[0.0, 0.0], [wide * 0.8, 0.0], [wide, 0.1], [wide * 0.9, height * 0.75], [0.0, height]];
-        revolve(builder, palette.glass(number * 5 + 1), sides, &straight_profile(&knots, detail.along(6)));
+        builder.revolve_straight(palette.glass(number * 5 + 1), [sides, builder.along(6)], &knots);
     }
 }
 
@@ -156,10 +153,9 @@ fn drops(solids: &mut Solids) {
         let angle = TURN * turn;
         let height = 2.25 + 0.3 * sin(3.0 * angle + ring) + if number < 8 { 0.75 } else { 0.0 };
         solids.place("drop", [ring * cos(angle), ring * sin(angle)], height, 0.0);
-        let Solids { builder, palette, detail } = solids;
-        let profile = smooth_profile(&DROP, detail.divide(14, 5));
+        let Solids { builder, palette } = solids;
         let material = if number % 5 == 2 { palette.gold } else { palette.glass(number) };
-        revolve(builder, material, detail.around(18), &profile);
+        builder.revolve_smooth(material, builder.bent(18, [14, 5]), &DROP);
     }
 }
 
@@ -180,9 +176,9 @@ fn pebbles(solids: &mut Solids) {
     .enumerate()
     {
         solids.place("pebble", at, half.y, 0.6 * number as f64);
-        let Solids { builder, palette, detail } = solids;
+        let Solids { builder, palette } = solids;
         let material = if half.x == half.z { palette.chrome } else { palette.glass(number + 2) };
-        ellipsoid(builder, material, DVec3::ZERO, half, detail.around(28));
+        builder.ellipsoid(material, DVec3::ZERO, half, builder.around(28));
         builder.frame = Frame::WORLD;
     }
 }
