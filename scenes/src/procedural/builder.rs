@@ -70,8 +70,14 @@ impl MeshBuilder {
         }
     }
 
-    /// Begins an object: triangles that follow belong to it.
+    /// Begins an object, in world space: triangles that follow belong to it.
     pub(super) fn object(&mut self, name: impl Into<String>) {
+        self.object_here(name);
+        self.frame = Frame::WORLD;
+    }
+
+    /// Begins an object where the one before was placed.
+    pub(super) fn object_here(&mut self, name: impl Into<String>) {
         self.mesh.objects.push(name.into());
     }
 
@@ -206,7 +212,7 @@ impl MeshBuilder {
         self.mesh.triangles.push(corners);
         self.mesh.triangle_materials.push(material.0);
         if self.mesh.objects.is_empty() {
-            self.object("scene");
+            self.object_here("scene");
         }
         self.mesh.triangle_objects.push(self.mesh.objects.len() as u32 - 1);
     }

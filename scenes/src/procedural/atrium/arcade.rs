@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{FLOORS, Palette, SUNK, Side};
 use crate::procedural::builder::{Ends, MeshBuilder};
-use crate::procedural::math::{Frame, TURN, cos, mix, sin};
+use crate::procedural::math::{TURN, cos, mix, sin};
 use crate::procedural::parts::outline;
 use crate::procedural::shapes::steps;
 
@@ -36,13 +36,12 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
                 builder.frame = here.shift(DVec3::X * (x + half));
                 arch(builder, palette, storey, half);
                 if level == 1 {
-                    builder.object(format!("balustrade {number}.{bay}"));
+                    builder.object_here(format!("balustrade {number}.{bay}"));
                     balustrade(builder, palette, half);
                 }
             }
         }
     }
-    builder.frame = Frame::WORLD;
 }
 
 /// Plinth, base, shaft with twelve flutes, capital, and the pier above.

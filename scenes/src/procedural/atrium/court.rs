@@ -53,12 +53,10 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
         builder.frame = Frame::at(dvec3(x, -SUNK, z)).yaw(turn);
         bench(builder, palette);
     }
-    builder.frame = Frame::WORLD;
 }
 
 /// A wide basin with water, a stem, two bowls, and jets.
 fn fountain(builder: &mut MeshBuilder, palette: &Palette) {
-    builder.frame = Frame::WORLD;
     let basin = [
         [0.0, -0.006],
         [1.65, -0.006],

@@ -4,7 +4,6 @@ use glam::{DVec3, dvec2, dvec3};
 
 use super::{COURT, FLOORS, GALLERY, Palette, SKY, Side};
 use crate::procedural::builder::{MaterialId, MeshBuilder};
-use crate::procedural::math::Frame;
 use crate::procedural::shapes::steps;
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
@@ -16,7 +15,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
         builder.frame = side.frame.shift(DVec3::Z * GALLERY);
         openings(builder, palette, &side);
     }
-    builder.frame = Frame::WORLD;
 }
 
 fn walls(builder: &mut MeshBuilder, palette: &Palette) {
@@ -77,12 +75,12 @@ fn openings(builder: &mut MeshBuilder, palette: &Palette, side: &Side) {
                 let min = dvec3(x0, y0, -out);
                 builder.cuboid(material, min, dvec3(x1, y1, 0.05 + out), [fine, rows, fine]);
             };
-        builder.object("door");
+        builder.object_here("door");
         part(builder, palette.wood, [x - 0.62, x + 0.62], [-0.04, 2.55], 0.05);
         part(builder, palette.stone, [x - 0.78, x - 0.6], [-0.06, 2.54], 0.09);
         part(builder, palette.stone, [x + 0.6, x + 0.78], [-0.06, 2.54], 0.09);
         part(builder, palette.stone, [x - 0.8, x + 0.8], [2.5, 2.75], 0.1);
-        builder.object("window");
+        builder.object_here("window");
         part(builder, palette.sky, [x - 0.58, x + 0.58], [6.0, 7.6], 0.03);
         part(builder, palette.stone, [x - 0.7, x - 0.55], [5.9, 7.58], 0.09);
         part(builder, palette.stone, [x + 0.55, x + 0.7], [5.9, 7.58], 0.09);

@@ -76,7 +76,6 @@ fn man(candy: &mut Candy) {
         dvec3(0.09 * cos(angle), 0.01 + 0.09 * sin(angle), 0.072)
     };
     builder.tube(palette.white, builder.bent(10, [24, 4]), smile, |t| rounded(0.013, t.min(1.0 - t) * 0.17));
-    builder.frame = Frame::WORLD;
 }
 
 /// Walks counter-clockwise, seen from above, and looks where it goes.
@@ -106,5 +105,4 @@ fn bear(candy: &mut Candy) {
         builder.frame = frame.shift(dvec3(0.125 * side, 0.36, 0.0)).pitch(-1.2 * swing).roll(0.35 * side);
         builder.ellipsoid(jelly, dvec3(0.0, -0.075, 0.0), dvec3(0.042, 0.1, 0.045), builder.around(24));
     }
-    builder.frame = Frame::WORLD;
 }

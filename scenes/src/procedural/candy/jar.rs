@@ -53,7 +53,7 @@ pub(super) fn build(candy: &mut Candy) {
         // A multiple of the knots' number, so that the wall keeps its thickness.
         builder.revolve_smooth(palette.glass, [builder.around(52), 14 * builder.along(3)], &WALL.map(sized));
         builder.revolve_smooth(palette.silver, [builder.around(40), 8 * builder.along(3)], &LID.map(sized));
-        builder.object("balls in the jar");
+        builder.object_here("balls in the jar");
         for layer in 0..4 {
             // Rings of balls, each layer turned against the one below.
             for (ring, count) in [(0, 1), (1, 6), (2, 12)] {

@@ -46,7 +46,6 @@ pub(crate) fn build(scale: f64, time_s: f64) -> Built {
         })
         .collect();
     builder.revolve_straight(ball, [around, 1], &profile);
-    builder.frame = Frame::WORLD;
 
     builder.object("cloth");
     let state = Cloth::at(time_s);

@@ -59,7 +59,6 @@ pub(super) fn build(glade: &mut Glade) {
             point(half * (ring + 1) as f64 / rows as f64, TURN * at as f64 / around as f64)
         });
     }
-    builder.frame = Frame::WORLD;
 }
 
 /// Bent blades of three triangles, everywhere but in the pool, denser and taller around it.

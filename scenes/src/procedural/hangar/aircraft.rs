@@ -12,7 +12,6 @@ use crate::procedural::shapes::steps;
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, motion: &Motion) {
     transport(builder, palette, motion, Frame::at(dvec3(-2.5, 0.0, -1.5)).yaw(0.42));
     biplane(builder, palette, motion, Frame::at(dvec3(18.0, 0.0, 9.5)).yaw(2.5));
-    builder.frame = Frame::WORLD;
 }
 
 /// A fuselage along x: knots (share from nose to tail, half width, half height, height of the middle).
@@ -165,7 +164,7 @@ fn transport(builder: &mut MeshBuilder, palette: &Palette, motion: &Motion, here
         }
         builder.rod(palette.steel, builder.round(8, 4), [axle - DVec3::Z * 0.4, axle + DVec3::Z * 0.4], 0.07);
     }
-    builder.object("transport tail");
+    builder.object_here("transport tail");
     let fin_tip = dvec3(-9.3, 5.9, 0.0);
     wing(builder, palette.polished, fin, [dvec3(-7.9, 3.2, 0.0), fin_tip], [2.9, 1.2], 0.12);
     landing_wheel(builder, palette, dvec3(-7.6, 0.3 - SUNK, 0.0), 0.3);

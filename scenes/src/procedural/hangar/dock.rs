@@ -14,7 +14,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
         builder.frame = Frame::at(dvec3(x, 0.0, z)).yaw(turn);
         dock(builder, palette, long);
     }
-    builder.frame = Frame::WORLD;
 }
 
 /// A scaffold `long` metres along x with three decks.

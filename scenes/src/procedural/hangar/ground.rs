@@ -13,7 +13,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, motion: &Motio
     pipes(builder, palette);
     tractor(builder, palette, motion);
     builder.object("platform ladder");
-    builder.frame = Frame::WORLD;
     let ends = [dvec3(-8.0, -SUNK, 6.0), dvec3(-7.4, 2.9, 4.6)];
     builder.ladder(palette.blue, ends, dvec3(0.3, 0.0, 0.12), 9);
 }
@@ -174,5 +173,4 @@ fn tractor(builder: &mut MeshBuilder, palette: &Palette, motion: &Motion) {
     builder.plank_crate([palette.wood, palette.dark_wood], dvec3(1.2, 0.9, 1.1));
     builder.frame = here.shift(dvec3(-3.1, 0.61, 0.02)).yaw(0.2);
     builder.plank_crate([palette.wood, palette.dark_wood], dvec3(0.9, 0.7, 0.95));
-    builder.frame = Frame::WORLD;
 }

@@ -22,7 +22,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
         shelf(builder, palette, dvec3(x, 0.0, -HALF[1] + 1.3), number as u64);
     }
     builder.object("pipework");
-    builder.frame = Frame::WORLD;
     pipework(builder, palette);
 }
 

@@ -110,5 +110,4 @@ fn puddles(builder: &mut MeshBuilder, palette: &Palette) {
             dvec3(radius * cos(angle), y, -radius * sin(angle))
         });
     }
-    builder.frame = Frame::WORLD;
 }

@@ -19,7 +19,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
         builder.frame = Frame::at(TABLE + dvec3(x, 0.0, z)).yaw(turn * TURN);
         chair(builder, palette);
     }
-    builder.frame = Frame::WORLD;
 }
 
 fn chair(builder: &mut MeshBuilder, palette: &Palette) {

@@ -30,7 +30,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     let canopy = [[0.0, -0.03], [0.02, -0.03], [0.05, -0.012], [0.055, 0.01], [0.0, 0.01]];
     builder.revolve_straight(palette.metal, builder.round(32, 2), &canopy);
     shade(builder, palette);
-    builder.frame = Frame::WORLD;
 }
 
 /// From the outlet along a catenary to the hook, then down with the faint wave of a cord that was once coiled.

@@ -40,7 +40,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     books(builder, palette, here, &mut random, BOARDS[3], [-0.7, -0.25]);
     builder.frame = here;
     ornaments(builder, palette, here);
-    builder.frame = Frame::WORLD;
 }
 
 /// A row of upright books; now and then one leans on the one before it.

@@ -17,7 +17,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     // The figure's face looks along its own +x; turned towards the entrance.
     builder.frame = Frame::at(STATUE + DVec3::Y * (PLINTH - 0.004)).yaw(0.64 * TURN);
     figure(builder, palette);
-    builder.frame = Frame::WORLD;
 }
 
 fn plinth(builder: &mut MeshBuilder, palette: &Palette) {

@@ -47,7 +47,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     glass(builder, palette, dvec3(0.5, 0.0, -0.17));
     builder.frame = Frame::at(TABLE + dvec3(-0.42, TOP, 0.2));
     builder.torus(palette.mirror, builder.ring(16, 40), dvec3(0.0, 0.021, 0.0), [0.06, 0.0215]);
-    builder.frame = Frame::WORLD;
 }
 
 fn bowl(builder: &mut MeshBuilder, palette: &Palette) {

@@ -25,7 +25,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     trough(builder, palette);
     builder.object("grindstone");
     grindstone(builder, palette);
-    builder.frame = Frame::WORLD;
 }
 
 /// Brickwork, a rim around the fire, coals and irons in it.

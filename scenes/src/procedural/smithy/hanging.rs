@@ -37,13 +37,11 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     for (number, (x, z)) in lanterns.into_iter().enumerate() {
         builder.object(format!("lantern {number}"));
         let low = dvec3(x, 2.62 - 0.04 * number as f64, z);
-        builder.frame = Frame::WORLD;
         builder.rod(palette.rope, builder.round(8, 8), [low, low.with_y(3.34)], 0.007);
         builder.frame = Frame::at(low);
         tools::lantern(builder, palette);
     }
     strings(builder, palette);
-    builder.frame = Frame::WORLD;
 }
 
 /// A board on the wall with pegs, a tool on each; the frame's plane z = 0 is the wall.
@@ -74,7 +72,6 @@ fn chains(builder: &mut MeshBuilder, palette: &Palette) {
     let divisions = builder.ring(6, 10);
     for number in 0..14_u32 {
         builder.object(format!("chain {number}"));
-        builder.frame = Frame::WORLD;
         let x = -4.4 + 2.2 * f64::from(number % 5) + random.between(-0.04, 0.04);
         let top = dvec3(x, 3.33, -2.8 + 0.42 * f64::from(number) + random.between(-0.05, 0.05));
         let low = top.with_y(random.between(1.95, 2.6));
@@ -101,7 +98,6 @@ fn strings(builder: &mut MeshBuilder, palette: &Palette) {
         [(-2.2, 1.1), (0.0, -2.1), (0.0, 3.1), (2.2, 1.6), (4.4, -2.2), (-4.4, -0.4)].into_iter().enumerate()
     {
         builder.object(format!("string {number}"));
-        builder.frame = Frame::WORLD;
         let top = dvec3(x, 3.34, z);
         let path = |t: f64| top + dvec3(0.01 * sin(9.0 * t), -1.15 * t, 0.01 * cos(9.0 * t));
         builder.tube(palette.rope, builder.bent(8, [20, 4]), path, |_| 0.006);

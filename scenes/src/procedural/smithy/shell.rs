@@ -74,7 +74,6 @@ fn panelling(builder: &mut MeshBuilder, palette: &Palette) {
             builder.plain_box(material, min, max);
         }
     }
-    builder.frame = Frame::WORLD;
 }
 
 /// Posts with braces along the long walls, beams across, rafters along, boards above these.

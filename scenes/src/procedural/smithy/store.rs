@@ -25,7 +25,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
     builder.object("table");
     bench(builder, palette, Frame::at(dvec3(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
     builder.object("ladder");
-    builder.frame = Frame::WORLD;
     let ends = [dvec3(-2.6, -SUNK, 2.2), dvec3(-3.1, 3.4, 3.3)];
     builder.ladder(palette.wood, ends, dvec3(0.25, 0.0, 0.11), 11);
 }

@@ -4,7 +4,7 @@ use glam::{DVec3, dvec3};
 
 use super::Solids;
 use crate::procedural::builder::{Ends, MaterialId};
-use crate::procedural::math::{Frame, TURN, cos, sin, smoothstep};
+use crate::procedural::math::{TURN, cos, sin, smoothstep};
 
 pub(super) fn build(solids: &mut Solids) {
     knots(solids);
@@ -33,7 +33,6 @@ fn knots(solids: &mut Solids) {
             dvec3(wide * cos(along), size * 0.45 * sin(about), wide * sin(along))
         };
         builder.loop_tube(material, builder.bent(17, [230, 12]), path, thick);
-        builder.frame = Frame::WORLD;
     }
 }
 
@@ -81,7 +80,6 @@ fn gears(solids: &mut Solids) {
         solids.builder.frame = solids.builder.frame.shift(dvec3(x, y, 0.0)).pitch(TURN / 4.0);
         gear(solids, metals[number], teeth, phase);
     }
-    solids.builder.frame = Frame::WORLD;
 }
 
 /// A gear about the frame's y axis, with a hole for its axle: a section that is led once around.

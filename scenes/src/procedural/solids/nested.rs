@@ -3,7 +3,7 @@
 use glam::{DVec3, dvec3};
 
 use super::Solids;
-use crate::procedural::math::{Frame, TURN};
+use crate::procedural::math::TURN;
 
 pub(super) fn build(solids: &mut Solids) {
     shells(solids);
@@ -61,7 +61,6 @@ fn boxes(solids: &mut Solids) {
         builder.cuboid(palette.glass(number + 1), DVec3::splat(-inner), DVec3::splat(inner), [cells; 3]);
         builder.frame = builder.frame.pitch(0.7);
         builder.plain_box(palette.gold, DVec3::splat(-inner * 0.5), DVec3::splat(inner * 0.5));
-        builder.frame = Frame::WORLD;
     }
 }
 
@@ -75,5 +74,4 @@ fn panes(solids: &mut Solids) {
         let cells = [builder.along(8), builder.along(8), 1];
         builder.cuboid(palette.glass(number as usize), low, high, cells);
     }
-    builder.frame = Frame::WORLD;
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, dvec3};
 
 use super::Solids;
-use crate::procedural::math::{Frame, TURN, cos, sin};
+use crate::procedural::math::{TURN, cos, sin};
 
 pub(super) fn build(solids: &mut Solids) {
     vases(solids);
@@ -92,7 +92,7 @@ fn bowl(solids: &mut Solids) {
     knots.extend(arc(0.57, 0.01 * TURN, 0.24 * TURN, rows).into_iter().rev());
     knots.push([0.0, 0.03]);
     builder.revolve_straight(palette.violet, [builder.around(48), 1], &knots);
-    builder.object("marbles");
+    builder.object_here("marbles");
     for number in 0..7 {
         let angle = TURN * number as f64 / 6.0;
         let (flat, y) = if number == 6 { (0.0, 0.145) } else { (0.26, 0.222) };
@@ -179,6 +179,5 @@ fn pebbles(solids: &mut Solids) {
         let Solids { builder, palette } = solids;
         let material = if half.x == half.z { palette.chrome } else { palette.glass(number + 2) };
         builder.ellipsoid(material, DVec3::ZERO, half, builder.around(28));
-        builder.frame = Frame::WORLD;
     }
 }
