@@ -55,6 +55,34 @@ pub struct TracerDescription {
 }
 
 impl TracerDescription {
+    /// What most on the device have in common: hits name triangles, every query is answered to either end, structures hang on the
+    /// geometry alone and can be refitted. Name, citation and summary are to be filled in.
+    pub fn on_device(parameters: Vec<ParameterDescription>) -> Self {
+        Self {
+            name: "",
+            citation: "",
+            summary: "",
+            residency: Residency::Device,
+            invalidated_by: &[Invalidation::Geometry],
+            names_primitives: true,
+            ends: &TraceTo::ALL,
+            queries: &Query::ALL,
+            no_refit: None,
+            parameters,
+        }
+    }
+
+    /// What those on the device that hold images of views have in common: hits name no triangle, structures hang on the view and its
+    /// resolution, too, and are not refitted, for a reason. Name, citation and summary are to be filled in.
+    pub fn of_views(no_refit: &'static str, parameters: Vec<ParameterDescription>) -> Self {
+        Self {
+            invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
+            names_primitives: false,
+            no_refit: Some(no_refit),
+            ..Self::on_device(parameters)
+        }
+    }
+
     /// That a structure follows changes in a way: what [`Structure::update`] says of the way itself, before there is one.
     ///
     /// # Errors

@@ -14,9 +14,9 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{
-    Counter, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameter, ParameterScope, Parameters,
-    PhaseClock, Query, Ray, Residency, Status, Structure, Surface, TraceJob, TraceTo, Tracer, TracerDescription,
-    TracerError, Update, Viewpoint, choice, parameters,
+    Counter, Geometry, Hit, HitBuffer, Ledger, MemoryReport, Parameter, ParameterScope, Parameters, PhaseClock, Query,
+    Ray, Residency, Status, Structure, Surface, TraceJob, TraceTo, Tracer, TracerDescription, TracerError, Update,
+    Viewpoint, choice, parameters,
 };
 
 use crate::hierarchy;
@@ -42,12 +42,7 @@ pub fn description() -> TracerDescription {
                    HPG 2017; as in the obvhs crate",
         summary: "compressed eight-wide BVH, built and traversed on all cores of the host",
         residency: Residency::Host,
-        invalidated_by: &[Invalidation::Geometry],
-        names_primitives: true,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: None,
-        parameters: CpuParameters::describe(),
+        ..TracerDescription::on_device(CpuParameters::describe())
     }
 }
 

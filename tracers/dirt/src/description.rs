@@ -1,7 +1,7 @@
 //! The parameters of `dirt`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
@@ -119,13 +119,8 @@ pub fn description() -> TracerDescription {
         name: "dirt",
         citation: "Vardis, Vasilakis, Papaioannou: DIRT: Deferred Image-based Ray Tracing, HPG 2016",
         summary: "lists of triangles in depth buckets of the tiles of six views, analytic hits",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: true,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: Some(NO_REFIT),
-        parameters: DirtParameters::describe(),
+        ..TracerDescription::of_views(NO_REFIT, DirtParameters::describe())
     }
 }
 

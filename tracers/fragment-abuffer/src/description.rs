@@ -1,7 +1,7 @@
 //! The parameters of `fragment-abuffer`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
@@ -128,12 +128,6 @@ pub fn description() -> TracerDescription {
         name: "fragment-abuffer",
         citation: "Vardis, Vasilakis, Papaioannou: A Multiview and Multilayer Approach for Interactive Ray Tracing, I3D 2016",
         summary: "every fragment of the pixels of seven views, in lists by depth, rays marched over the images",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
-        names_primitives: false,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: Some(NO_REFIT),
-        parameters: FragmentParameters::describe(),
+        ..TracerDescription::of_views(NO_REFIT, FragmentParameters::describe())
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of `height-field`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
@@ -43,12 +43,6 @@ pub fn description() -> TracerDescription {
         name: "height-field",
         citation: "Tevs, Ihrke, Seidel: Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, I3D 2008",
         summary: "the depth buffer of one view as a height field with a pyramid, all behind it solid",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
-        names_primitives: false,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: Some(NO_REFIT),
-        parameters: HeightParameters::describe(),
+        ..TracerDescription::of_views(NO_REFIT, HeightParameters::describe())
     }
 }

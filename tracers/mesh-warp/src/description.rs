@@ -1,7 +1,7 @@
 //! The parameters of `mesh-warp`.
 
 use tracebench_api::ParameterScope::Build;
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{RasterBackend, build_parameter};
 
 choice! {
@@ -34,12 +34,6 @@ pub fn description() -> TracerDescription {
         citation: "Bowles, Mitchell, Sumner, Moore, Gross: Iterative Image Warping, CGF 31(2), 2012; Didyk, Eisemann, Ritschel, \
                    Myszkowski, Seidel: Perceptually-motivated Real-time Temporal Upsampling of 3D Content, CGF 29(2), 2010",
         summary: "the depth buffer of one view as a mesh, drawn from the one point that rays start in",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
-        names_primitives: false,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: Some(NO_REFIT),
-        parameters: WarpParameters::describe(),
+        ..TracerDescription::of_views(NO_REFIT, WarpParameters::describe())
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of `screen-dda`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, RasterBackend, build_parameter, memory_access_parameter, rays_per_lane_parameter};
 
 choice! {
@@ -77,12 +77,6 @@ pub fn description() -> TracerDescription {
         name: "screen-dda",
         citation: "McGuire, Mara: Efficient GPU Screen-Space Ray Tracing, JCGT 3(4), 2014",
         summary: "perspective-correct DDA over the depth buffer of one view, or over several depth layers",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
-        names_primitives: false,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: Some(NO_REFIT),
-        parameters: DdaParameters::describe(),
+        ..TracerDescription::of_views(NO_REFIT, DdaParameters::describe())
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of `voxel-octree`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Invalidation, Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, memory_access_parameter, rays_per_lane_parameter};
 
 use crate::layout::MAX_LEVELS;
@@ -40,12 +40,7 @@ pub fn description() -> TracerDescription {
         citation: "Crassin, Neyret, Sainz, Green, Eisemann: Interactive indirect illumination using voxel cone tracing, Computer Graphics \
                    Forum 2011",
         summary: "a sparse voxel octree over every voxel that a triangle touches, walked exactly to its leaves",
-        residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Resolution],
-        names_primitives: false,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: Some(NO_REFIT),
-        parameters: OctreeParameters::describe(),
+        ..TracerDescription::of_views(NO_REFIT, OctreeParameters::describe())
     }
 }

@@ -1,8 +1,6 @@
 //! The parameters of `bvh-gpu`.
 
-use tracebench_api::{
-    Invalidation, Parameter, ParameterScope, Query, Residency, TraceTo, TracerDescription, choice, parameters,
-};
+use tracebench_api::{Parameter, ParameterScope, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, memory_access_parameter, rays_per_lane_parameter};
 
 use crate::input::{BuildPreset, build_parameter};
@@ -28,13 +26,7 @@ pub fn description() -> TracerDescription {
         citation: "Ylitie, Karras, Laine: Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, \
                    HPG 2017; built by the obvhs crate",
         summary: "BVH (compressed eight-wide, or binary) built on all cores of the host, uploaded, traversed in compute",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry],
-        names_primitives: true,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: None,
-        parameters: GpuParameters::describe(),
+        ..TracerDescription::on_device(GpuParameters::describe())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The parameters of `ploc-gpu`.
 
 use tracebench_api::ParameterScope::Build;
-use tracebench_api::{Invalidation, Parameter, Query, Residency, TraceTo, TracerDescription, choice, parameters};
+use tracebench_api::{Parameter, TracerDescription, choice, parameters};
 use tracebench_kit::{MemoryAccess, memory_access_parameter, rays_per_lane_parameter};
 
 use crate::gpu::description::{NodeKind, node_parameter};
@@ -41,12 +41,6 @@ pub fn description() -> TracerDescription {
         citation: "Benthin, Drabinski, Tessari, Dittebrandt: PLOC++: Parallel Locally-Ordered Clustering for Bounding \
                    Volume Hierarchy Construction Revisited, HPG 2022",
         summary: "BVH (compressed eight-wide, or binary) over a Morton curve, clustered or split, built and traversed in compute",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry],
-        names_primitives: true,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
-        no_refit: None,
-        parameters: PlocParameters::describe(),
+        ..TracerDescription::on_device(PlocParameters::describe())
     }
 }

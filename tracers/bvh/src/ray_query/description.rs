@@ -1,8 +1,6 @@
 //! The parameters of `ray-query`.
 
-use tracebench_api::{
-    Invalidation, Parameter, ParameterScope, Query, Residency, TraceTo, TracerDescription, choice, parameters,
-};
+use tracebench_api::{Parameter, ParameterScope, TracerDescription, choice, parameters};
 
 choice! {
     /// What the driver favours.
@@ -32,12 +30,7 @@ pub fn description() -> TracerDescription {
         name: "ray-query",
         citation: "Khronos Group: VK_KHR_acceleration_structure and VK_KHR_ray_query, 2020; through wgpu",
         summary: "the device's own acceleration structure, built by its driver and searched by ray queries in compute",
-        residency: Residency::Device,
-        invalidated_by: &[Invalidation::Geometry],
-        names_primitives: true,
-        ends: &TraceTo::ALL,
-        queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
-        parameters: QueryParameters::describe(),
+        ..TracerDescription::on_device(QueryParameters::describe())
     }
 }
