@@ -31,9 +31,11 @@ pub fn first(has: impl Fn(&Registration) -> bool) -> Option<&'static Registratio
 
 #[cfg(test)]
 mod tests {
+    use tracebench_api::TracerDescription;
+
     use super::*;
 
-    /// Names are unique, and every preset value lies within its own range.
+    /// Names are unique, nothing that is to be filled in is empty, and every preset value lies within its own range.
     #[test]
     fn descriptions_are_consistent() {
         let mut names: Vec<_> = TRACERS.iter().map(Registration::name).collect();
@@ -41,7 +43,9 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), TRACERS.len());
         for registration in TRACERS {
-            for parameter in (registration.describe)().parameters {
+            let TracerDescription { name, citation, summary, parameters, .. } = (registration.describe)();
+            assert!([name, citation, summary].iter().all(|text| !text.is_empty()), "{name}");
+            for parameter in parameters {
                 let values = [&parameter.published, &parameter.improved].into_iter().chain(&parameter.sweep);
                 for value in values {
                     assert_eq!(parameter.parse(&value.to_string()).as_ref(), Ok(value), "{}", parameter.name);
