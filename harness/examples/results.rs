@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use sha2::Digest as _;
 use tracebench_harness::machine;
 use tracebench_harness::report::unpacked;
 use tracebench_harness::results::RULES_VERSION;
@@ -322,12 +323,16 @@ fn ticks_of_others() -> f64 {
 /// longer derives from it goes.
 fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
+    let mut packed_files = String::new();
     for name in ["run.json", "clock.json"] {
         let Ok(bytes) = std::fs::read(scratch.join(name)) else { continue };
         let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
         packed.write_all(&bytes)?;
         let _ = std::fs::remove_file(folder.join(name));
-        std::fs::write(folder.join(format!("{name}.gz")), packed.finish()?)?;
+        let packed = packed.finish()?;
+        let hash = data_encoding::HEXLOWER.encode(&sha2::Sha256::digest(&packed));
+        packed_files += &format!("{hash}  {name}.gz\n");
+        std::fs::write(folder.join(format!("{name}.gz")), packed)?;
     }
     let mut names: BTreeSet<String> = BTreeSet::from(["scenes.md".to_owned()]);
     for before in std::fs::read_dir(folder)? {
@@ -348,6 +353,10 @@ fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
     }
     for name in names.into_iter().filter(|name| !name.contains('/') && scratch.join(name).is_file()) {
         std::fs::copy(scratch.join(&name), folder.join(name))?;
+    }
+    // Where the program's list of its files is kept, what was packed is on it, too.
+    if let Ok(mut list) = std::fs::OpenOptions::new().append(true).open(folder.join("tracebench.sha256")) {
+        list.write_all(packed_files.as_bytes())?;
     }
     Ok(())
 }
