@@ -111,7 +111,6 @@ fn beyond_rounding(found: &Stability) -> Vec<String> {
         "long-rays, screen-dda: ",
         "edge-on, screen-dda:improved: ",
         "close-sheets, screen-dda:improved: ",
-        "plane-through-eye, screen-dda:improved: ",
         "stacked-layers, screen-dda:improved: ",
         "towards-camera, screen-dda:improved: ",
         "huge-triangle, voxel-abuffer:improved: ",
