@@ -1,5 +1,6 @@
 //! One body for every tracer in the registry: what the contract promises, over tiny hostile scenes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::hostile::{Hostile, Subject, scenes, small_scenes, subjects};
@@ -49,9 +50,10 @@ fn wrong_by_itself(subject: &Subject, geometry: &Geometry, ray: &Ray, hit: &Hit)
 
 /// Proves for every tracer, preset, scene and query: every ray is answered, with a status, t and triangle that can be;
 /// two traces and two builds give the same bits; the counting variant gives the same hits and counts something; the
-/// structure validates.
+/// structure validates. Over all scenes of the set each counter counts something.
 fn whole_and_repeatable(scenes: &[Hostile]) {
     for subject in subjects() {
+        let mut totals = BTreeMap::new();
         for scene in scenes {
             let structures = [0, 1].map(|_| subject.build(&scene.geometry, &scene.viewpoints[0]));
             for query in [Query::Closest, Query::Any] {
@@ -71,6 +73,7 @@ fn whole_and_repeatable(scenes: &[Hostile]) {
                 for counter in counters {
                     let Counter { name, total, max_per_ray } = counter;
                     let greatest = max_per_ray.unwrap_or(total);
+                    *totals.entry(name).or_insert(0) += total;
                     // Of needles, which are thin, a sampled method may store nothing and so find nothing to open or test; of hits that
                     // are counted by where they lie, and of edges at which planes end, a scene may have none.
                     let of_some_scenes = name.starts_with("hits_") || name == "neighbours_read";
@@ -83,6 +86,8 @@ fn whole_and_repeatable(scenes: &[Hostile]) {
                 structures[0].validate(&scene.geometry).unwrap_or_else(|error| panic!("{}: {error}", subject.name));
             assert!(statistics.iter().all(|(_, value)| value.is_finite()));
         }
+        totals.retain(|_, total| *total == 0);
+        assert_eq!(totals, BTreeMap::new(), "{} {:?}", subject.name, subject.parameters);
     }
 }
 
