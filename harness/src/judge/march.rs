@@ -183,7 +183,9 @@ impl Judge<'_> {
                     false if along < 0.0 && thickness.is_infinite() => [span[0]; 2],
                     false => [told[0].min(told[1]), told[0].max(told[1])],
                 };
-                let met = least + thickness.min(0.0) <= far + rounding && reaches >= near - rounding;
+                // Surely from before, as the ray is there where it enters the pixel.
+                let comes = !(surely && march.from_before) || begin < least + rounding;
+                let met = comes && least + thickness.min(0.0) <= far + rounding && reaches >= near - rounding;
                 met.then_some((found.t, told))
             };
             self.kept(line, sampling.layers).filter_map(meets).collect::<Vec<_>>()

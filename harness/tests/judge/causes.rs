@@ -110,6 +110,7 @@ fn marched(triangles: Vec<[[f32; 3]; 3]>, ray: Ray, thickness: f64) -> Case {
         thickness,
         thickness_in_pixels: 0.0,
         to_back_faces: false,
+        from_before: false,
         anywhere: false,
     });
     case
@@ -127,6 +128,23 @@ fn cause_thickness_rejected_or_slipped_through() {
         assert_eq!(level(-2.0).cause("tight", &[status(said)]), "unexplained");
         let plain = marched(plate_at(0.0, 1.0), ray([-0.75, 0.1, 0.5], [0.8, 0.0, -0.6]), 0.01);
         assert_eq!(plain.cause("tight", &[status(said)]), "unexplained");
+    }
+}
+
+/// Proves that where rays hit only what they come to from before, one that comes to a plate from behind may pass it, and one from before may
+/// not; where they hit both, neither may.
+#[test]
+fn cause_of_rays_from_behind() {
+    let [before, behind] = [(0.5, -0.6), (-0.5, 0.6)].map(|(z, down)| ray([-0.75, 0.1, z], [0.8, 0.0, down]));
+    for (ray, from_before, cause) in [
+        (before, false, "unexplained"),
+        (before, true, "unexplained"),
+        (behind, false, "unexplained"),
+        (behind, true, "thickness_rejected"),
+    ] {
+        let mut case = marched(plate_at(0.0, 1.0), ray, 0.01);
+        case.samplings[0].march.as_mut().unwrap().from_before = from_before;
+        assert_eq!(case.cause("tight", &[status(Status::ThicknessRejected)]), cause, "{ray:?} {from_before}");
     }
 }
 

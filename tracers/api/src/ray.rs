@@ -70,7 +70,8 @@ named! {
         LeftViews = "left_views",
         /// The step limit was reached.
         StepCap = "step_cap",
-        /// Nothing found; the ray passed behind at least one stored surface by more than the thickness.
+        /// Nothing found; the ray passed behind at least one stored surface by more than the thickness, or came to one from behind where that
+        /// is no hit.
         ThicknessRejected = "thickness_rejected",
         /// Nothing found; the ray passed through space that the method's last layer hides, and what lies there it does not know.
         BehindLastLayer = "behind_last_layer",

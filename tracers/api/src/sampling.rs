@@ -29,6 +29,8 @@ pub struct ImageMarch {
     pub thickness_in_pixels: f64,
     /// Whether a sample reaches to the next surface behind it that faces away, where there is one.
     pub to_back_faces: bool,
+    /// Whether a sample counts only for rays that come to it from before.
+    pub from_before: bool,
     /// Whether a hit may be told anywhere on the part of the ray that is looked at, not where the ray is as deep as the sample.
     pub anywhere: bool,
 }

@@ -43,8 +43,15 @@ impl FragmentParameters {
             ThicknessUnit::Pixels => [0.0, self.thickness],
         };
         let start_bias = self.start_bias;
-        let march =
-            ImageMarch { steps, start_bias, thickness, thickness_in_pixels, to_back_faces: false, anywhere: false };
+        let march = ImageMarch {
+            steps,
+            start_bias,
+            thickness,
+            thickness_in_pixels,
+            to_back_faces: false,
+            from_before: false,
+            anywhere: false,
+        };
         (self.fragments == Fragments::Points && self.coverage == Coverage::Sample).then_some(march)
     }
 }

@@ -90,6 +90,7 @@ impl ImageMethod for HeightMethod {
             thickness: f64::INFINITY,
             thickness_in_pixels: 0.0,
             to_back_faces: false,
+            from_before: false,
             // Few halvings leave it open where in its pixel a hit is.
             anywhere: search == Search::Halvings && refinement < 16,
         });

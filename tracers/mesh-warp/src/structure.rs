@@ -123,6 +123,7 @@ impl DeviceStructure for WarpStructure {
             thickness: f64::INFINITY,
             thickness_in_pixels: 0.0,
             to_back_faces: false,
+            from_before: false,
             anywhere: true,
         });
         Ok(vec![SampledImage { march, ..SampledImage::new(Projection::Perspective(self.view), Layers::Nearest) }])

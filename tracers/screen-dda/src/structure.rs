@@ -123,6 +123,7 @@ impl ImageMethod for DdaMethod {
             // A pixel is as wide as it is deep.
             thickness_in_pixels: thickness_per_depth / projection.pixel_at(1.0).max_element(),
             to_back_faces: shape.backs,
+            from_before: by_cells(drawn) && parameters.from_behind == FromBehind::Pass,
             anywhere: parameters.hit_point == HitPoint::Step,
         });
         let layers = Layers::of(shape.layers, shape.separation * diagonal, true);
