@@ -256,11 +256,13 @@ fn measure(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
     let words: Vec<&str> = entry.command.split(' ').collect();
     let goes_on = !words.contains(&"--from") && words[0] != "doctor";
     let more: &[&str] = if goes_on { &["--resume"] } else { &[] };
+    let plan = || std::fs::read(scratch.join("interleaved_sets/plan.json")).ok();
+    let begun_before = plan();
     if let Err(reason) = run(root, &words, &scratch, more) {
-        if !(goes_on && scratch.join("interleaved_sets").exists()) {
+        // Who goes on with a plan writes so into it. One that is as before was refused: another machine or program began it.
+        if begun_before.is_none() || plan() != begun_before {
             return Err(reason);
         }
-        // What was begun on another machine, or by another program, begins anew.
         std::fs::remove_dir_all(&scratch).map_err(|error| error.to_string())?;
         run(root, &words, &scratch, &[])?;
     }
@@ -428,6 +430,28 @@ mod tests {
                 ("another version of dirt".to_owned(), "made of a".to_owned())
             );
         }
+    }
+
+    /// Proves that what was broken off stays to be gone on with, and that what another program began is begun anew: by a program that writes
+    /// into the plan, or refuses it, and fails.
+    #[cfg(unix)]
+    #[test]
+    fn what_was_broken_off_is_kept() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let root = tempfile::tempdir().unwrap();
+        let sets = root.path().join("target/results/a/interleaved_sets");
+        let program = root.path().join("target/release/tracebench");
+        let measured = |script: &str| {
+            std::fs::create_dir_all(&sets).unwrap();
+            std::fs::write(sets.join("plan.json"), "begun").unwrap();
+            std::fs::write(sets.join("0.json"), "ended").unwrap();
+            std::fs::create_dir_all(program.parent().unwrap()).unwrap();
+            std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
+            std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+            (measure(root.path(), &entry("a", "run")).is_ok(), sets.join("0.json").exists())
+        };
+        assert_eq!(measured("echo resumed >> target/results/a/interleaved_sets/plan.json; exit 1"), (false, true));
+        assert_eq!(measured("for word; do [ $word = --resume ] && exit 1; done; exit 0"), (true, false));
     }
 
     /// Proves that answers which a re-run gave again are fresh, times not; that a record of another machine is left to it; and that
