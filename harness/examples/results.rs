@@ -107,6 +107,13 @@ fn work(root: &Path, mut asked: Asked) -> Result<bool, String> {
     if asked.check {
         return Ok(stale.iter().all(|(need, ..)| *need != Need::Readme));
     }
+    // By the program of this source: one that was built before would name another commit.
+    let build = ["build", "--release", "--quiet", "--bin", "tracebench"];
+    let built =
+        Command::new("cargo").args(build).current_dir(root).status().map_err(|error| format!("cargo: {error}"))?;
+    if !built.success() {
+        return Err("tracebench was not built, see above".to_owned());
+    }
     let (begun, mut all_done) = (Instant::now(), true);
     for (_, place, _) in stale {
         let entry = &entries[place];
@@ -303,7 +310,7 @@ fn run(root: &Path, words: &[&str], out: &Path, more: &[&str]) -> Result<(), Str
     println!("tracebench {}", words.join(" "));
     let mut command = Command::new(root.join("target/release/tracebench"));
     command.args(words).arg("--out").arg(out).args(more).current_dir(root);
-    let ended = command.status().map_err(|error| format!("target/release/tracebench: {error}: build it first"))?;
+    let ended = command.status().map_err(|error| format!("target/release/tracebench: {error}"))?;
     if ended.success() { Ok(()) } else { Err(ended.to_string()) }
 }
 
