@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use tracebench_api::{ClockKind, Gpu, PhaseClock, Timing, TracerError, tick_ms};
 use tracebench_kit::{FixedWork, FixedWorkPlan, fixed_task};
 
+use crate::results::times::whole_ns;
 use crate::results::{ClockTicks, KernelRecord};
 use crate::statistics::trend;
 
@@ -93,7 +94,7 @@ impl Kernels {
 
     /// What its times tell.
     pub fn record(&self, on: Side, timings: &[Timing]) -> KernelRecord {
-        let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+        let samples_ms: Vec<f64> = timings.iter().map(|timing| whole_ns(timing.total_ms)).collect();
         let (change, deviations) = drift(&samples_ms);
         KernelRecord {
             clock: timings.first().map_or(ClockKind::Host, |timing| timing.clock),

@@ -12,6 +12,7 @@ use super::controls::Control;
 use super::interleaved_set::BuildSamples;
 use super::session::{PreparedRays, Session};
 use crate::plan::{Plan, TracerRequest};
+use crate::results::times::whole_ns;
 use crate::results::{
     BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
     TraceRecord, TracerRecord, ViewpointRecord,
@@ -101,7 +102,7 @@ pub(super) fn are_believed<'a>(timed_samples: impl IntoIterator<Item = &'a [Timi
 pub(super) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Times {
     let on_device = timings.iter().any(|timing| timing.submit_to_done_ms.is_some());
     let believed = !on_device || (interleaved_set_is_believed && Timing::plausible(timings));
-    let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
+    let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms.map(whole_ns)).collect();
     let by_submission: Vec<Timing>;
     let timings = if believed {
         timings
@@ -109,7 +110,7 @@ pub(super) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Ti
         by_submission = timings.iter().map(Timing::by_submission).collect();
         &by_submission
     };
-    let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+    let samples_ms: Vec<f64> = timings.iter().map(|timing| whole_ns(timing.total_ms)).collect();
     let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
     let (interval_ms, interval_coverage) = median_interval(&samples_ms);
     Times {

@@ -22,7 +22,7 @@ mod ratio;
 mod resident_batches;
 mod row;
 mod sweep;
-mod times;
+pub(crate) mod times;
 mod trace;
 mod tuning;
 mod updates;

@@ -92,6 +92,11 @@ pub struct PhaseRecord {
     pub samples_ms: Vec<f64>,
 }
 
+/// A time as records keep it, to whole nanoseconds: no clock here tells less, and digits beyond are a tenth of a record.
+pub(crate) fn whole_ns(ms: f64) -> f64 {
+    (ms * 1e6).round() / 1e6
+}
+
 impl PhaseRecord {
     /// Collects the phases of several samples of the same work, in order of first appearance. A phase that only some
     /// samples have, as the first refit after a build may, has as many samples as had it.
@@ -108,7 +113,7 @@ impl PhaseRecord {
                     seen.len() - 1
                 });
                 seen[place] = true;
-                records[place].samples_ms.push(phase.duration_ms);
+                records[place].samples_ms.push(whole_ns(phase.duration_ms));
             }
         }
         for record in &mut records {
