@@ -267,7 +267,7 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
         greatest = range.greatest * (1.0 + DEPTH_SLACK);
     }
 #else
-    let greatest = depth;
+    var greatest = depth;
 #endif
 #ifdef BOUNDS
     atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word)], near_code(depth));
@@ -285,6 +285,14 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
     atomicAdd(&pixels[word_index(shape, pixel, 0u)], 1u);
 #endif
 #ifdef STORE
+    if (shape.bounds_word > 0u) {
+        // Drivers round in each pass as they like, so that a sliver's depth may differ from that in the pass of the bounds.
+        let near = atomicLoad(&pixels[word_index(shape, pixel, shape.bounds_word)]);
+        let far = atomicLoad(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)]);
+        let bounds = depths_of(vec2<u32>(near, far));
+        depth = clamp(depth, bounds.x, bounds.y);
+        greatest = clamp(greatest, bounds.x, bounds.y);
+    }
     store_fragment(pixel, at, depth, greatest, facing);
 #endif
 #endif
