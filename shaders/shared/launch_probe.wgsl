@@ -48,7 +48,8 @@ fn rounds_of(ray: u32) -> u32 {
 // Rounds after which a lane that has done with its ray gets the next one, as in searches of hierarchies.
 const ROUNDS: u32 = 4u;
 
-// Searches of different length, each a loop over rounds of some arithmetic.
+// Searches of different length, each a loop over rounds of a read, which says where the next one is, and some arithmetic. Where lanes wait
+// for reads, a device with many cores needs many lanes.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn search(invocation: Invocation) {
     let block = block_of(invocation, 0u, settings.count, settings.rays_per_lane);
@@ -57,12 +58,15 @@ fn search(invocation: Invocation) {
         return;
     }
     var left = rounds_of(ray);
+    var at = scatter(ray);
     var point = vec4<f32>(f32(ray & 1023u) * 1e-3);
     loop {
         var busy = true;
         var round = 0u;
         loop {
             if (left > 0u) {
+                let record = quad_0(at & settings.last_record);
+                at = (at >> 7u) ^ record.x ^ (record.y + record.z) ^ record.w;
                 for (var step = 0u; step < 4u; step++) {
                     point = point.yzwx * point * 0.75 + vec4<f32>(0.25, 0.125, 0.0625, 0.5);
                 }
@@ -75,12 +79,13 @@ fn search(invocation: Invocation) {
             }
         }
         if (!busy) {
-            results[ray] = bitcast<u32>(point.x + point.y);
+            results[ray] = bitcast<u32>(point.x + point.y + f32(at & 1023u));
             ray = take_ray(block, invocation.local);
             if (ray >= block.end) {
                 break;
             }
             left = rounds_of(ray);
+            at = scatter(ray);
             point = vec4<f32>(f32(ray & 1023u) * 1e-3);
         }
     }

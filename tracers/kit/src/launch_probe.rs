@@ -23,9 +23,10 @@ const RECORDS: u32 = 1 << 16;
 /// Reads of a lane.
 const READS: u32 = 16;
 
-/// Lanes and rays at first, about as many as a small ray set has, and at most.
+/// Lanes and rays at first, about as many as a small ray set has, and at most, as a large one: with more, many rays a lane would leave
+/// enough lanes for any device.
 const LEAST: u32 = 1 << 14;
-const MOST: u32 = 1 << 20;
+const MOST: u32 = 1 << 19;
 
 /// A kernel that takes less is given more to do: a time is to stand out of what a dispatch costs, and one by a stamp that a driver
 /// took too late is told from a true one only where the wait was longer than that ([`Timing::plausible`]).
@@ -48,24 +49,35 @@ pub struct ProbeTimes {
 struct Kernel {
     pipeline: ComputePipeline,
     results: Buffer,
-    arrays: Option<BindGroup>,
+    arrays: BindGroup,
     rays_per_lane: u32,
 }
 
 impl Kernel {
-    fn gather(gpu: &Gpu, memory_access: MemoryAccess, results: &Buffer) -> Result<Self, TracerError> {
-        let pipeline = compute_pipeline(gpu, Shader { textures: memory_access == MemoryAccess::Texture }, "gather")?;
+    fn new(
+        gpu: &Gpu,
+        entry_point: &str,
+        memory_access: MemoryAccess,
+        rays_per_lane: u32,
+        results: &Buffer,
+    ) -> Result<Self, TracerError> {
+        let pipeline = compute_pipeline(gpu, Shader { textures: memory_access == MemoryAccess::Texture }, entry_point)?;
         let contents = records();
         let contents = bytemuck::cast_slice(&contents);
         let records =
             Readable::written(gpu, memory_access, ReadSlot::Quads0, contents, "probe records", None, "nothing")?;
-        let arrays = Some(bind_arrays(gpu, &pipeline, &[records]));
-        Ok(Self { pipeline, results: results.clone(), arrays, rays_per_lane: 1 })
+        let arrays = bind_arrays(gpu, &pipeline, &[records]);
+        Ok(Self { pipeline, results: results.clone(), arrays, rays_per_lane })
     }
 
+    /// Reads at unrelated places, a lane each.
+    fn gather(gpu: &Gpu, memory_access: MemoryAccess, results: &Buffer) -> Result<Self, TracerError> {
+        Self::new(gpu, "gather", memory_access, 1, results)
+    }
+
+    /// Loops of different length.
     fn search(gpu: &Gpu, rays_per_lane: u32, results: &Buffer) -> Result<Self, TracerError> {
-        let pipeline = compute_pipeline(gpu, Shader { textures: false }, "search")?;
-        Ok(Self { pipeline, results: results.clone(), arrays: None, rays_per_lane })
+        Self::new(gpu, "search", MemoryAccess::Buffer, rays_per_lane, results)
     }
 
     /// Runs it, in milliseconds.
@@ -75,10 +87,9 @@ impl Kernel {
         let settings = uniform_buffer(gpu, "probe settings", &settings)?;
         let resources = [settings.as_entire_binding(), self.results.as_entire_binding()];
         let own = bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &resources);
-        let bindings: Vec<&BindGroup> = std::iter::once(&own).chain(&self.arrays).collect();
         let mut clock = PhaseClock::new(Some(gpu));
         clock.device_phase("probe", |encoder| {
-            dispatch_rays(encoder, &self.pipeline, &bindings, count, rays_per_lane);
+            dispatch_rays(encoder, &self.pipeline, &[&own, &self.arrays], count, rays_per_lane);
         })?;
         let timing = clock.finish()?;
         let believed = Timing::plausible(std::slice::from_ref(&timing));
