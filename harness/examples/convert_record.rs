@@ -1,5 +1,5 @@
-//! Converts records of schema 2 to schema 3, which has the same values under other names: `cargo run --release --example convert_record
-//! -- FILE...` (`run.json`, `run.json.gz`, `clock.json` or the folder that holds one; each is
+//! Converts records of schema 2 to schema 3, which has the same values under other names, and times to whole nanoseconds, as they are written
+//! now: `cargo run --release --example convert_record -- FILE...` (`run.json`, `run.json.gz`, `clock.json` or the folder that holds one; each is
 //! written anew in its place). docs/renames.md lists the names.
 
 use std::error::Error;
@@ -13,6 +13,7 @@ use flate2::write::GzEncoder;
 use serde_json::{Map, Value, json};
 use tracebench_harness::hash::sha256_of;
 use tracebench_harness::results::{Record, SCHEMA};
+use tracebench_harness::statistics::median;
 
 /// What keys were, and are.
 const KEYS: &[(&str, &str)] = &[
@@ -81,6 +82,38 @@ fn converted(value: Value, below: &str) -> Value {
     }
 }
 
+/// Every time of a record to whole nanoseconds, and medians of what they are of then.
+fn round_times(value: &mut Value, below: &str) {
+    match value {
+        Value::Object(fields) => {
+            fields.iter_mut().for_each(|(key, value)| round_times(value, key));
+            for (samples, middle) in
+                [("samples_ms", "median_ms"), ("submit_to_done_samples_ms", "submit_to_done_median_ms")]
+            {
+                let of = fields.get(samples).and_then(Value::as_array);
+                let of: Vec<f64> = of.into_iter().flatten().filter_map(Value::as_f64).collect();
+                if fields.contains_key(middle) && !of.is_empty() {
+                    fields[middle] = json!(median(&of));
+                }
+            }
+            if let (Some(count), Some(middle)) = (number(fields, "count"), number(fields, "median_ms")) {
+                fields["mrays_per_s"] = json!(if middle > 0.0 { count / middle / 1e3 } else { 0.0 });
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| round_times(item, below)),
+        Value::Number(number) if below.ends_with("_ms") => {
+            if let Some(ms) = number.as_f64() {
+                *value = json!((ms * 1e6).round() / 1e6);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn number(fields: &Map<String, Value>, key: &str) -> Option<f64> {
+    fields.contains_key("mrays_per_s").then(|| fields.get(key)?.as_f64()).flatten()
+}
+
 /// The record in a folder, or the file itself.
 fn file(path: &Path) -> PathBuf {
     let inside = ["run.json", "run.json.gz", "clock.json", "clock.json.gz"].map(|name| path.join(name));
@@ -100,13 +133,14 @@ fn convert(path: &Path) -> Result<(), Box<dyn Error>> {
     let is_clock = record.get("races").or(record.get("fresh")).is_some() && record.get("rules_version").is_some();
     let text = match record.get("schema").map(Value::as_u64) {
         None if is_clock => serde_json::to_vec(&converted(record, ""))?,
-        Some(Some(2)) => {
-            let mut record = converted(record, "");
+        Some(Some(schema @ (2 | 3))) => {
+            let mut record = if schema == 2 { converted(record, "") } else { record };
             record["schema"] = json!(SCHEMA);
+            round_times(&mut record, "");
             // In the order of the record's fields, and only if it can be one.
             serde_json::to_vec(&Record::read(&serde_json::to_vec(&record)?)?)?
         }
-        _ => return Err("it is no record of schema 2".into()),
+        _ => return Err("it is no record of schema 2 or 3".into()),
     };
     let after = if is_packed {
         let mut packed = GzEncoder::new(Vec::new(), Compression::best());
@@ -138,7 +172,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
 fn main() -> ExitCode {
     let paths: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     if paths.is_empty() {
-        eprintln!("error: name records of schema 2: cargo run --release --example convert_record -- FILE...");
+        eprintln!("error: name records of schema 2 or 3: cargo run --release --example convert_record -- FILE...");
         return ExitCode::from(2);
     }
     for path in paths.iter().map(|path| file(path)) {
@@ -165,7 +199,19 @@ mod tests {
         assert_eq!(converted(before, ""), after);
     }
 
-    /// Proves that what is no record of schema 2 is refused and stays, a folder's too.
+    /// Proves that times are rounded wherever they stand, and nothing else.
+    #[test]
+    fn times_are_rounded() {
+        let mut record =
+            json!({ "samples_ms": [1.234_567_891_2, 2], "phases": [{ "median_ms": 0.1 + 0.2 }], "eye": [0.1 + 0.2] });
+        round_times(&mut record, "");
+        assert_eq!(
+            record,
+            json!({ "samples_ms": [1.234_568, 2.0], "phases": [{ "median_ms": 0.3 }], "eye": [0.1 + 0.2] })
+        );
+    }
+
+    /// Proves that what is no record of schema 2 or 3 is refused and stays, a folder's too.
     #[test]
     fn others_are_refused() {
         let folder = tempfile::tempdir().unwrap();
