@@ -12,7 +12,7 @@ use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 use serde_json::{Map, Value, json};
 use tracebench_harness::hash::sha256_of;
-use tracebench_harness::results::{Record, SCHEMA};
+use tracebench_harness::results::{Record, SCHEMA, whole_ns};
 use tracebench_harness::statistics::median;
 
 /// What keys were, and are.
@@ -96,22 +96,19 @@ fn round_times(value: &mut Value, below: &str) {
                     fields[middle] = json!(median(&of));
                 }
             }
-            if let (Some(count), Some(middle)) = (number(fields, "count"), number(fields, "median_ms")) {
-                fields["mrays_per_s"] = json!(if middle > 0.0 { count / middle / 1e3 } else { 0.0 });
+            if fields.contains_key("mrays_per_s") {
+                let [count, ms] = ["count", "median_ms"].map(|key| fields[key].as_f64().unwrap_or_default());
+                fields["mrays_per_s"] = json!(if ms > 0.0 { count / ms / 1e3 } else { 0.0 });
             }
         }
         Value::Array(items) => items.iter_mut().for_each(|item| round_times(item, below)),
         Value::Number(number) if below.ends_with("_ms") => {
             if let Some(ms) = number.as_f64() {
-                *value = json!((ms * 1e6).round() / 1e6);
+                *value = json!(whole_ns(ms));
             }
         }
         _ => {}
     }
-}
-
-fn number(fields: &Map<String, Value>, key: &str) -> Option<f64> {
-    fields.contains_key("mrays_per_s").then(|| fields.get(key)?.as_f64()).flatten()
 }
 
 /// The record in a folder, or the file itself.

@@ -12,12 +12,8 @@ use crate::structure::{FragmentStructure, check_order};
 /// Pixels of a view that are held against the host's rasterizer at most: every n-th along both axes.
 const MAX_COMPARED: u64 = 4096;
 
-/// By how much planes reach beyond what is clipped of them, relative.
+/// Relative difference of a fragment's depth in two passes.
 const PASS_SLACK: f32 = 4e-6;
-
-/// By how much bounds may be looser than the fragments, relative: drivers round a sliver's depth in each pass as they like. It costs
-/// steps and loses no hit.
-const LOOSE_SLACK: f32 = 1e-3;
 
 /// A part's words, and how to read them.
 struct ReadBack<'a> {
@@ -198,7 +194,7 @@ impl ReadBack<'_> {
         let encloses = near <= least * (1.0 + PASS_SLACK) && far >= greatest * (1.0 - PASS_SLACK);
         // Boxes are looser, and a single layer leaves out what is far.
         let tight =
-            near >= least * (1.0 - LOOSE_SLACK) && (self.layout.one_layer || far <= greatest * (1.0 + LOOSE_SLACK));
+            near >= least * (1.0 - PASS_SLACK) && (self.layout.one_layer || far <= greatest * (1.0 + PASS_SLACK));
         if encloses && (tight || self.layout.by_boxes) {
             return Ok(());
         }
