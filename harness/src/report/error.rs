@@ -33,11 +33,7 @@ pub enum ReportError {
     #[error("{path} has no \"schema\" and so is not a {1}; give the folder that a run was written to", path = .0.display())]
     NoSchema(PathBuf, &'static str),
     /// A run of another version of this program: its schema, as written there, and the one that this program reads.
-    #[error(
-        "{path} follows schema {1}, this program reads schema {2}; {todo}", path = .0.display(),
-        todo = if .1 == "2" { "convert it: cargo run --release --example convert_record -- FILE" }
-        else { "use the version of the program that wrote it, or run again" }
-    )]
+    #[error("{path} follows schema {1}, this program reads schema {2}; use the version of the program that wrote it, or run again", path = .0.display())]
     Schema(PathBuf, String, u32),
     /// A file's contents cannot be made.
     #[error("cannot make {what}: {reason}")]

@@ -212,7 +212,7 @@ fn storages_of_the_other_paper() {
     }
     let ruins = found("vvp16-skipping-ruins");
     assert!(ruins["verdict"] == "not measured" && ruins["reason"].as_str().unwrap().contains("Ruins"), "{ruins}");
-    // On a busy machine times may be invalid or by another clock: then nothing is said of them. Ways that skip are compared.
+    // On a busy machine times may be invalid or by another clock: then there may be nothing to say of them. Ways that skip are compared.
     let record = bench.result("variants");
     let of_traces = |name: &str| -> BTreeSet<String> {
         let rows = record["rows"].as_array().unwrap().iter();
@@ -220,7 +220,8 @@ fn storages_of_the_other_paper() {
         rows.flat_map(|run| run["traces"].as_array().unwrap()).map(|trace| trace[name].to_string()).collect()
     };
     let comparable = of_traces("invalid") == BTreeSet::from(["null".to_owned()]) && of_traces("clock").len() == 1;
-    assert_eq!(found("vvp16-bucketed-faster")["values"].as_array().unwrap().len(), usize::from(comparable));
+    let values = found("vvp16-bucketed-faster")["values"].as_array().unwrap().len();
+    assert!(values == 1 || values == 0 && !comparable, "{values} values, comparable: {comparable}");
     assert_eq!(found("vvp16-linear-buckets")["verdict"], "not measurable here");
 }
 
