@@ -12,9 +12,10 @@ use super::controls::Control;
 use super::interleaved_set::BuildSamples;
 use super::session::{PreparedRays, Session};
 use crate::plan::{Plan, TracerRequest};
+use crate::results::times::whole_ns;
 use crate::results::{
     BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
-    TraceRecord, TracerRecord, ViewpointRecord, whole_ns,
+    TraceRecord, TracerRecord, ViewpointRecord,
 };
 use crate::statistics::{median, median_interval};
 use crate::viewpoint::Pose;

@@ -93,8 +93,7 @@ pub struct PhaseRecord {
 }
 
 /// A time as records keep it, to whole nanoseconds: no clock here tells less, and digits beyond are a tenth of a record.
-#[must_use]
-pub fn whole_ns(ms: f64) -> f64 {
+pub(crate) fn whole_ns(ms: f64) -> f64 {
     (ms * 1e6).round() / 1e6
 }
 
