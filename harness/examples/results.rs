@@ -347,7 +347,7 @@ fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
         packed_files += &format!("{hash}  {name}.gz\n");
         std::fs::write(folder.join(format!("{name}.gz")), packed)?;
     }
-    let mut names: BTreeSet<String> = BTreeSet::from(["scenes.md".to_owned()]);
+    let mut names: BTreeSet<String> = BTreeSet::new();
     for before in std::fs::read_dir(folder)? {
         let before = before?;
         let name = before.file_name().to_string_lossy().into_owned();
@@ -359,6 +359,9 @@ fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
             std::fs::remove_file(before.path())?;
         }
         names.insert(name);
+    }
+    if !names.iter().any(|name| name.ends_with(".md")) {
+        names.insert("scenes.md".to_owned());
     }
     for page in names.clone().into_iter().filter(|name| name.ends_with(".md")) {
         let text = std::fs::read_to_string(scratch.join(page)).unwrap_or_default();
