@@ -73,9 +73,11 @@ pub struct CameraKey {
     pub eye: [f32; 3],
     /// A point that is looked at.
     pub target: [f32; 3],
+    /// Up direction, unit length.
+    pub up: [f32; 3],
 }
 
-/// A walk through a scene: poses in the order of time, up is +y.
+/// A walk through a scene: poses in the order of time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CameraPath {
     /// At least two keys at rising times, the first at 0.
@@ -104,7 +106,7 @@ impl CameraPath {
             name: format!("path at {time_s} s"),
             eye: mix(from.eye, to.eye),
             target: mix(from.target, to.target),
-            up: [0.0, 1.0, 0.0],
+            up: if from.up == to.up { from.up } else { unit(mix(from.up, to.up)).unwrap_or(to.up) },
             vertical_fov_radians: self.vertical_fov_radians,
         }
     }
@@ -195,7 +197,7 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Named viewpoints, the default one first. Empty if a file has none.
     pub cameras: Vec<Camera>,
-    /// A walk through the scene; every procedural scene has one.
+    /// A walk through the scene; every procedural scene has one, and files with a camera that moves.
     pub camera_path: Option<CameraPath>,
     /// How it moves, if it does. The mesh is its state at `time_s`.
     pub animation: Option<Animation>,
@@ -336,6 +338,10 @@ impl Scene {
             bounds_max,
         }
     }
+}
+
+fn unit(vector: [f32; 3]) -> Option<[f32; 3]> {
+    glam::Vec3::from(vector).try_normalize().map(Into::into)
 }
 
 fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {

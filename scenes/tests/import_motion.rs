@@ -323,3 +323,40 @@ fn bad_keys() {
         assert!(doc.error().contains("export"), "{pointer} = {value}: {}", doc.error());
     }
 }
+
+/// Proves that the first camera that moves gives the path: by itself and by its parent, with its roll, clamped at both ends and at frame
+/// times where glTF's interpolation has it; that cameras stand where time 0 puts them, and that without such a camera there is no path.
+#[test]
+fn a_camera_that_moves_gives_the_path() {
+    let mut doc = Doc::square();
+    let camera = json!({"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}});
+    doc.json["cameras"] = json!([camera, camera]);
+    let still = doc.push("nodes", json!({"camera": 0}));
+    let parent = doc.push("nodes", json!({}));
+    let moving = doc.push("nodes", json!({"camera": 1}));
+    doc.json["nodes"][parent]["children"] = json!([moving]);
+    doc.json["scenes"] = json!([{"nodes": [0, still, parent]}]);
+    doc.json["scene"] = json!(0);
+    assert!(doc.import().unwrap().camera_path.is_none());
+    doc.channel(parent, "translation", "LINEAR", &[0.0, 2.0], &[0.0, 0.0, 5.0, 4.0, 0.0, 5.0]);
+    let half = 0.5f32.sqrt();
+    // A quarter turn about the line of sight.
+    doc.channel(moving, "rotation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half]);
+    let scene = doc.import().unwrap();
+    assert!(scene.animation.is_none() && scene.cameras.len() == 2);
+    assert_eq!(scene.cameras[1].eye, [0.0, 0.0, 5.0]);
+    let path = scene.camera_path.unwrap();
+    assert!((path.duration_s() - 2.0).abs() < 1e-6 && path.vertical_fov_radians == 0.8);
+    for (time, x, degrees) in
+        [(-1.0, 0.0, 0.0f32), (0.5, 1.0, 45.0), (1.0, 2.0, 90.0), (1.5, 3.0, 90.0), (9.0, 4.0, 90.0)]
+    {
+        let camera = path.at(time);
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let off = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off(camera.eye, [x, 0.0, 5.0]) < 1e-6, "{camera:?}");
+        assert!(off(camera.up, [-sine, cosine, 0.0]) < 1e-6, "{camera:?}");
+        assert!(camera.target[2] < 5.0 && off(camera.target, [x, 0.0, camera.target[2]]) < 1e-6, "{camera:?}");
+    }
+    // Roll that is left out would be noticed.
+    assert!(path.at(1.0).up[1].abs() < 1e-6);
+}

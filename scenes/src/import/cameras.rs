@@ -5,8 +5,16 @@ use std::collections::HashMap;
 use glam::{DMat4, DVec3};
 use gltf::json::Root;
 
+use super::buffers::Bytes;
 use super::nodes::Placed;
-use crate::scene::Camera;
+use super::rig::Rig;
+use crate::scene::{Camera, CameraKey, CameraPath};
+
+/// Keys a second of a path.
+const KEYS_PER_S: f64 = 120.0;
+
+/// Most numbers that all keys of a path are computed from.
+const MAX_PATH_WORK: usize = 4_000_000;
 
 /// Every camera that can be looked through; a word in `warnings` for every other one. `worlds` has the transform of each
 /// placed node to world space.
@@ -43,6 +51,31 @@ pub(super) fn collect(root: &Root, placed: &[Placed], worlds: &[DMat4], warnings
         }
     }
     cameras
+}
+
+/// The way of the first camera that the animation moves, as 120 keys a second (fewer where it is long and the nodes are many); none
+/// where none moves. A word in `warnings` for one that cannot be looked through all along.
+pub(super) fn path(root: &Root, rig: &Rig, bytes: &Bytes<'_>, warnings: &mut Vec<String>) -> Option<CameraPath> {
+    let duration_s = rig.duration_s(bytes);
+    let yfov = |place: &Placed| {
+        let camera = root.nodes.get(place.node)?.camera.and_then(|index| root.get(index))?;
+        Some(camera.perspective.as_ref()?.yfov)
+    };
+    let mut moving = rig.placed.iter().zip(rig.moving_nodes()).enumerate().filter(|(_, (_, moves))| *moves);
+    let (place, yfov) =
+        moving.find_map(|(index, (place, _))| Some((index, yfov(place)?))).filter(|_| duration_s > 0.0)?;
+    let most = (MAX_PATH_WORK / rig.size().max(1)).max(1);
+    let steps = ((duration_s * KEYS_PER_S).ceil() as usize).clamp(1, most);
+    let key = |step: usize| {
+        let time_s = duration_s * step as f64 / steps as f64;
+        let (eye, target, up) = aim(&rig.pose(bytes, time_s).worlds[place], yfov)?;
+        Some(CameraKey { time_s, eye, target, up })
+    };
+    let keys: Option<Vec<CameraKey>> = (0..=steps).map(key).collect();
+    if keys.is_none() {
+        warnings.push("the camera that moves is degenerate on its way: the path is ignored".to_owned());
+    }
+    Some(CameraPath { keys: keys?, vertical_fov_radians: yfov })
 }
 
 /// Eye, target and up of a camera that looks along its node's -Z; scale and shear are taken out.

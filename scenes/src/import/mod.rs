@@ -97,7 +97,8 @@ pub fn name_of(path: &Path) -> String {
 /// - Skins and morph targets move vertices, and the first animation plays: [`Scene::animation`]. The mesh is the state
 ///   at time 0.
 /// - Of materials only base colour, metallic and roughness factors are kept. Images are never read.
-/// - Perspective cameras are kept in the order of the nodes.
+/// - Perspective cameras are kept in the order of the nodes, as they stand at time 0; the first that moves gives
+///   [`Scene::camera_path`].
 ///
 /// # Errors
 ///
@@ -130,9 +131,11 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     let (mesh, instances, sources) =
         geometry.assemble(&root, &bytes, &pose, duration_s.is_some(), &mut notes).map_err(invalid)?;
     let cameras = cameras::collect(&root, &geometry.rig.placed, &pose.worlds, &mut notes.warnings);
+    let camera_path = cameras::path(&root, &geometry.rig, &bytes, &mut notes.warnings);
     let origin = Origin::File { path: name.into() };
     let Geometry { rig, parts } = geometry;
     let mut scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
+    scene.camera_path = camera_path;
     // One that moves is looked at where it is asked for.
     let size = scene.check_size();
     if duration_s.is_none() {

@@ -143,19 +143,31 @@ impl Rig {
         self.channels.iter().map(|channel| channel.sampler.end_s(bytes)).fold(0.0, f64::max)
     }
 
-    /// For each placed node, whether a mesh that it holds moves, by itself, a parent, its joints or its weights.
-    pub(super) fn moving(&self, root: &Root) -> Vec<bool> {
-        let mut channels = vec![(false, false); self.placed.len()];
+    /// What it takes to compute a pose: nodes, joints, and numbers of channels.
+    pub(super) fn size(&self) -> usize {
+        let joints: usize = self.skins.iter().flatten().map(|skin| skin.joints.len()).sum();
+        self.placed.len() + joints + self.channels.iter().map(|channel| channel.sampler.width()).sum::<usize>()
+    }
+
+    /// For each placed node, whether it moves, by itself or by a parent.
+    pub(super) fn moving_nodes(&self) -> Vec<bool> {
+        let mut moving = vec![false; self.placed.len()];
         for channel in &self.channels {
-            match channel.property {
-                Property::MorphTargetWeights => channels[channel.place].1 = true,
-                _ => channels[channel.place].0 = true,
-            }
+            moving[channel.place] |= channel.property != Property::MorphTargetWeights;
         }
-        let mut by_node = vec![false; self.placed.len()];
         for place in 0..self.placed.len() {
             // Parents come before children.
-            by_node[place] = channels[place].0 || self.placed[place].parent.is_some_and(|parent| by_node[parent]);
+            moving[place] |= self.placed[place].parent.is_some_and(|parent| moving[parent]);
+        }
+        moving
+    }
+
+    /// For each placed node, whether a mesh that it holds moves, by itself, a parent, its joints or its weights.
+    pub(super) fn moving(&self, root: &Root) -> Vec<bool> {
+        let by_node = self.moving_nodes();
+        let mut by_weights = vec![false; self.placed.len()];
+        for channel in &self.channels {
+            by_weights[channel.place] |= channel.property == Property::MorphTargetWeights;
         }
         let by_skin: Vec<bool> = self
             .skins
@@ -164,7 +176,7 @@ impl Rig {
             .collect();
         let moving = |(place, own): (usize, &Placed)| {
             let skin = root.nodes[own.node].skin.and_then(|skin| by_skin.get(skin.value()));
-            *skin.unwrap_or(&by_node[place]) || channels[place].1
+            *skin.unwrap_or(&by_node[place]) || by_weights[place]
         };
         self.placed.iter().enumerate().map(moving).collect()
     }

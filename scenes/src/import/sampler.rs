@@ -75,6 +75,11 @@ impl Sampler {
         Ok(())
     }
 
+    /// Numbers of a value.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
     /// Time of the last key in seconds.
     pub(super) fn end_s(&self, bytes: &Bytes<'_>) -> f64 {
         self.times.view(bytes).value(self.times.count().saturating_sub(1))

@@ -49,7 +49,8 @@ pub(crate) fn cameras(poses: &[NamedPose]) -> Vec<Camera> {
 
 /// A path with a pose (eye and target) each second.
 pub(crate) fn path(poses: &[([f32; 3], [f32; 3])]) -> CameraPath {
-    let key = |(second, &(eye, target)): (usize, &_)| CameraKey { time_s: second as f64, eye, target };
+    let key =
+        |(second, &(eye, target)): (usize, &_)| CameraKey { time_s: second as f64, eye, target, up: [0.0, 1.0, 0.0] };
     CameraPath { keys: poses.iter().enumerate().map(key).collect(), vertical_fov_radians: VERTICAL_FOV_RADIANS }
 }
 
