@@ -5,9 +5,7 @@
 # results/pack.sh DIR...
 set -euo pipefail
 list=tracebench.sha256
-# A tenth smaller than gzip's, and as readable.
-pack='gzip -9 -n'
-if command -v libdeflate-gzip > /dev/null; then pack='libdeflate-gzip -12'; fi
+pack='xz -9e'
 
 # Whether a file of the folder is on its list, unchanged.
 is_ours() { [ -f "$1" ] && [ ! -L "$1" ] && grep -qxF -- "$(sha256sum -- "$1")" "$list"; }
@@ -31,7 +29,7 @@ find "$@" -name "$list" -type f -printf '%h\n' | while read -r folder; do (
         is_ours "$name" || continue
         if [ "$name" = run.json ]; then
             $pack run.json < /dev/null
-            sha256sum run.json.gz >> "$list"
+            sha256sum run.json.xz >> "$list"
         else
             rm "$name"
         fi

@@ -124,7 +124,7 @@ fn table(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
     let columns =
         columns.ok_or(format!("{page} has not all columns of '{wanted}' below '{heading}', but {headings:?}"))?;
     let run = |name: &str| Path::new(page).with_file_name(name).display().to_string();
-    let run = [run("run.json.gz"), run("run.json")].into_iter().find(|name| records.root.join(name).exists());
+    let run = [run("run.json.xz"), run("run.json")].into_iter().find(|name| records.root.join(name).exists());
     let record = records.get(&run.ok_or(format!("{page} has no record beside it"))?)?;
     let older: BTreeSet<String> = record["rows"].as_array().into_iter().flatten().filter_map(older).collect();
     let of = |name: &str| rows.iter().skip(2).find(|row| row[0] == name).ok_or(format!("{page} has no row of {name}"));

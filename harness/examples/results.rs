@@ -144,7 +144,7 @@ fn read(path: &Path) -> Result<String, String> {
 
 /// The record of a folder: that of a run, or of the clock.
 fn record(folder: &Path) -> Result<Option<Value>, String> {
-    let names = ["run.json", "run.json.gz", "clock.json", "clock.json.gz"].map(|name| folder.join(name));
+    let names = ["run.json", "run.json.xz", "clock.json", "clock.json.xz"].map(|name| folder.join(name));
     let Some(path) = names.iter().find(|path| path.exists()) else { return Ok(None) };
     let bytes = unpacked(path).map_err(|error| error.to_string())?;
     serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", path.display()))
@@ -339,19 +339,19 @@ fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
     let mut packed_files = String::new();
     for name in ["run.json", "clock.json"] {
         let Ok(bytes) = std::fs::read(scratch.join(name)) else { continue };
-        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        let mut packed = liblzma::write::XzEncoder::new(Vec::new(), 9);
         packed.write_all(&bytes)?;
         let _ = std::fs::remove_file(folder.join(name));
         let packed = packed.finish()?;
         let hash = data_encoding::HEXLOWER.encode(&sha2::Sha256::digest(&packed));
-        packed_files += &format!("{hash}  {name}.gz\n");
-        std::fs::write(folder.join(format!("{name}.gz")), packed)?;
+        packed_files += &format!("{hash}  {name}.xz\n");
+        std::fs::write(folder.join(format!("{name}.xz")), packed)?;
     }
     let mut names: BTreeSet<String> = BTreeSet::new();
     for before in std::fs::read_dir(folder)? {
         let before = before?;
         let name = before.file_name().to_string_lossy().into_owned();
-        if before.path().is_dir() || name.ends_with(".json.gz") {
+        if before.path().is_dir() || name.ends_with(".json.xz") {
             continue;
         }
         if !scratch.join(&name).is_file() {
@@ -399,7 +399,7 @@ mod tests {
             for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
                 if path.is_dir() {
                     folders.push(path);
-                } else if ["run.json", "run.json.gz", "clock.json", "clock.json.gz"]
+                } else if ["run.json", "run.json.xz", "clock.json", "clock.json.xz"]
                     .iter()
                     .any(|name| path.ends_with(name))
                 {

@@ -180,7 +180,7 @@ fn files(name: &str) -> Vec<(String, Vec<u8>)> {
     paths.sort();
     let unpacked = |path: &Path| {
         let mut text = Vec::new();
-        flate2::read::GzDecoder::new(std::fs::File::open(path).unwrap()).read_to_end(&mut text).unwrap();
+        liblzma::read::XzDecoder::new(std::fs::File::open(path).unwrap()).read_to_end(&mut text).unwrap();
         text
     };
     paths.into_iter().map(|path| (path.display().to_string(), unpacked(&path))).collect()

@@ -70,7 +70,7 @@ fn spares(file: &Path) -> Result<(), CliError> {
 /// The claims that a folder holds and no record: what a table of claims writes.
 fn claims_alone(folder: &Path) -> Option<String> {
     let holds = |name: &str| folder.join(name).exists();
-    if holds(reports::RUN_FILE) || holds(&format!("{}.gz", reports::RUN_FILE)) {
+    if holds(reports::RUN_FILE) || holds(&format!("{}.xz", reports::RUN_FILE)) {
         return None;
     }
     let names = papers::PAPERS.iter().map(|paper| format!("claims_{}.json", paper.name));

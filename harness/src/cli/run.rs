@@ -18,7 +18,7 @@ use crate::{report as reports, tables};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
-    /// Records: run.json files, plain or compressed by gzip, of whatever verb, or the folders that hold them.
+    /// Records: run.json files, plain or compressed by xz, of whatever verb, or the folders that hold them.
     #[arg(required = true, value_name = "RECORD")]
     paths: Vec<PathBuf>,
     /// Write one page of all records here, which needs no other file: which to choose, fronts, tables, claims, causes. Nothing else is made

@@ -42,7 +42,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
-use flate2::bufread::MultiGzDecoder;
+use liblzma::bufread::XzDecoder;
 use serde::Deserialize;
 
 pub use chart::without_images;
@@ -68,8 +68,8 @@ use tables::Placed;
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
 
-/// The same compressed by gzip.
-const PACKED: &str = "run.json.gz";
+/// The same compressed by xz.
+const PACKED: &str = "run.json.xz";
 
 /// The page of a run in full.
 const SUMMARY: &str = "summary.md";
@@ -322,7 +322,7 @@ pub fn table_page(name: &str, directory: &Path) -> PathBuf {
 /// The most bytes of a record's JSON that are read, packed or not: fifteen times those of the largest record that is known.
 pub const MAX_RECORD_BYTES: u64 = 512 << 20;
 
-/// Reads a record back from its folder or from the file itself, plain or compressed by gzip.
+/// Reads a record back from its folder or from the file itself, plain or compressed by xz.
 ///
 /// # Errors
 /// If there is no such file, it is not a whole JSON document, it follows another schema, or it can be of no run.
@@ -346,7 +346,7 @@ struct Head {
     schema: Option<serde_json::Value>,
 }
 
-/// The bytes of a file, unpacked where gzip packed it.
+/// The bytes of a file, unpacked where xz packed it.
 ///
 /// # Errors
 /// If it cannot be read, or has more than [`MAX_RECORD_BYTES`].
@@ -357,8 +357,8 @@ pub fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     };
     let mut file = BufReader::new(fs::File::open(path).map_err(fail)?);
     let mut bytes = Vec::new();
-    if file.fill_buf().map_err(fail)?.starts_with(&GZIP) {
-        let unpacked = MultiGzDecoder::new(file).take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes);
+    if file.fill_buf().map_err(fail)?.starts_with(&XZ) {
+        let unpacked = XzDecoder::new_multi_decoder(file).take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes);
         unpacked.map_err(|source| ReportError::Packed(path.to_owned(), source))?;
     } else {
         file.take(MAX_RECORD_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
@@ -369,8 +369,8 @@ pub fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     Ok(bytes)
 }
 
-/// What a compressed file begins with (RFC 1952).
-const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// What a compressed file begins with (the .xz file format, 2.1.1.1).
+const XZ: [u8; 6] = *b"\xfd7zXZ\0";
 
 /// The file of a record that is given by it or by its folder; the compressed one where that alone is there.
 pub fn record_file(path: &Path) -> PathBuf {

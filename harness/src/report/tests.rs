@@ -467,7 +467,7 @@ fn committed(folder: &Path) -> Vec<PathBuf> {
     paths.sort();
     let below = |path: PathBuf| match path.is_dir() {
         true => committed(&path),
-        false if path.ends_with("run.json.gz") => vec![path],
+        false if path.ends_with("run.json.xz") => vec![path],
         false => Vec::new(),
     };
     paths.into_iter().flat_map(below).collect()
@@ -489,7 +489,7 @@ fn committed_records_keep_their_head() {
         assert!(!provenance.commit.is_empty() && provenance.started.ends_with('Z'), "{}", path.display());
         let mut text = String::new();
         let file = fs::File::open(path).unwrap();
-        flate2::read::GzDecoder::new(file).read_to_string(&mut text).unwrap();
+        liblzma::read::XzDecoder::new(file).read_to_string(&mut text).unwrap();
         // Older files are indented.
         let head = |text: &str| {
             let text: String = text.split_whitespace().collect();

@@ -276,7 +276,7 @@ mod tests {
     /// A record of a small run.
     fn record(packed: &[u8]) -> Value {
         let mut text = Vec::new();
-        flate2::read::GzDecoder::new(packed).read_to_end(&mut text).unwrap();
+        liblzma::read::XzDecoder::new(packed).read_to_end(&mut text).unwrap();
         serde_json::from_slice(&text).unwrap()
     }
 
@@ -288,13 +288,13 @@ mod tests {
     /// that is read as it is.
     #[test]
     fn impossible_values_are_refused_by_name() {
-        let plain = record(include_bytes!("../../fuzz/seeds/run.json.gz"));
-        let explained = record(include_bytes!("../../fuzz/seeds/explain.json.gz"));
-        let fronts = record(include_bytes!("../../fuzz/seeds/pareto.json.gz"));
-        let sweep = record(include_bytes!("../../fuzz/seeds/sweep.json.gz"));
-        let tuned = record(include_bytes!("../../fuzz/seeds/tune.json.gz"));
-        let updates = record(include_bytes!("../../fuzz/seeds/updates.json.gz"));
-        let cases = record(include_bytes!("../../fuzz/seeds/stability.json.gz"));
+        let plain = record(include_bytes!("../../fuzz/seeds/run.json.xz"));
+        let explained = record(include_bytes!("../../fuzz/seeds/explain.json.xz"));
+        let fronts = record(include_bytes!("../../fuzz/seeds/pareto.json.xz"));
+        let sweep = record(include_bytes!("../../fuzz/seeds/sweep.json.xz"));
+        let tuned = record(include_bytes!("../../fuzz/seeds/tune.json.xz"));
+        let updates = record(include_bytes!("../../fuzz/seeds/updates.json.xz"));
+        let cases = record(include_bytes!("../../fuzz/seeds/stability.json.xz"));
         for whole in [&plain, &explained, &fronts, &sweep, &tuned, &updates, &cases] {
             assert_eq!(refusal(whole), "");
         }

@@ -108,7 +108,7 @@ fn spares(bench: &Bench, words: &[&str], adaptive: &[&str]) {
 
 /// What every verb that measures has for a while, or had in older forms.
 const RACES: [&str; 4] =
-    ["interleaved_sets/plan.json", "interleaved_sets/mine.txt", "pictures/mine.png", "run.json.gz"];
+    ["interleaved_sets/plan.json", "interleaved_sets/mine.txt", "pictures/mine.png", "run.json.xz"];
 
 #[test]
 fn run_spares() {
@@ -393,7 +393,7 @@ fn packed_results_stay_the_programs() {
         left,
         ["figure_dirt_figure10_one.svg", "rows.csv", "table_dirt_figure10.md", LIST, "verdicts_dirt_figure10.json"]
     );
-    assert!(found.contains_key("run.json.gz"));
+    assert!(found.contains_key("run.json.xz"));
     std::fs::remove_file(out.join("rows.csv")).unwrap();
     std::fs::remove_file(out.join("mine.png")).unwrap();
     // What was left out is made again, to the byte.
@@ -403,5 +403,5 @@ fn packed_results_stay_the_programs() {
     let differs = |name: &&String| !["run.json", LIST].contains(&name.as_str()) && again.get(*name) != whole.get(*name);
     assert_eq!(whole.keys().find(differs), None);
     assert_eq!(bench.call(&words).status, 0);
-    assert!(out.join("run.json").exists() && !out.join("run.json.gz").exists());
+    assert!(out.join("run.json").exists() && !out.join("run.json.xz").exists());
 }

@@ -309,7 +309,7 @@ fn records_of_the_same_are_told_apart() {
 #[test]
 fn records_are_called_as_their_folders() {
     let called = |paths: &[&str]| read::called(paths);
-    assert_eq!(called(&["/home/x/fronts", "./need/run.json.gz", "run.json"]), ["fronts", "need", "run.json"]);
+    assert_eq!(called(&["/home/x/fronts", "./need/run.json.xz", "run.json"]), ["fronts", "need", "run.json"]);
     assert_eq!(called(&["/r/a/table1/", "/r/b/table1", "/r/b/table2"]), ["a/table1", "b/table1", "table2"]);
     assert_eq!(called(&["/r/a", "/r/a", "."]), ["a", "a", "."]);
 }
