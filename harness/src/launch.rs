@@ -65,7 +65,7 @@ impl TracerRequest {
 
     /// Takes means where none are set; they do not count as changed.
     pub fn use_launch_settings(&mut self, launch: &LaunchSettings) {
-        let described = (self.registration.describe)().parameters;
+        let described = self.registration.describe().parameters;
         for (name, value) in
             [(MEMORY_ACCESS, launch.memory_access.clone()), (RAYS_PER_LANE, launch.rays_per_lane.to_string())]
         {

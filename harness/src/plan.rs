@@ -146,13 +146,13 @@ pub struct TracerRequest {
 impl TracerRequest {
     /// A tracer with the values of a preset, not required.
     pub fn of(registration: &Registration, preset: Preset) -> Self {
-        let parameters = Parameters::preset(&(registration.describe)().parameters, preset);
+        let parameters = Parameters::preset(&registration.describe().parameters, preset);
         Self { registration: *registration, preset, parameters, changed: Vec::new(), required: false, resolution: None }
     }
 
     /// The tracer's name.
     pub fn name(&self) -> &'static str {
-        (self.registration.describe)().name
+        self.registration.describe().name
     }
 
     /// Sets one parameter from text; it counts as changed from then on.
@@ -160,7 +160,7 @@ impl TracerRequest {
     /// # Errors
     /// As [`Parameters::set`]; nothing has changed then.
     pub fn set(&mut self, parameter: &str, value: &str) -> Result<(), ParameterError> {
-        self.parameters.set(&(self.registration.describe)().parameters, parameter, value)?;
+        self.parameters.set(&self.registration.describe().parameters, parameter, value)?;
         if !self.changed.iter().any(|name| name == parameter) {
             self.changed.push(parameter.to_owned());
         }
@@ -169,7 +169,7 @@ impl TracerRequest {
 
     /// The values that shape its structure.
     pub fn build_parameters(&self) -> impl Iterator<Item = (String, Value)> {
-        let described = (self.registration.describe)().parameters;
+        let described = self.registration.describe().parameters;
         let shapes =
             move |name: &str| described.iter().any(|each| each.name == name && each.scope == ParameterScope::Build);
         let chosen = self.parameters.iter().filter(|(name, _)| shapes(name));

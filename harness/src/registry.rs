@@ -43,7 +43,7 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), TRACERS.len());
         for registration in TRACERS {
-            let TracerDescription { name, citation, summary, parameters, .. } = (registration.describe)();
+            let TracerDescription { name, citation, summary, parameters, .. } = registration.describe();
             assert!([name, citation, summary].iter().all(|text| !text.is_empty()), "{name}");
             for parameter in parameters {
                 let values = [&parameter.published, &parameter.improved].into_iter().chain(&parameter.sweep);

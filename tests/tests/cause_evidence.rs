@@ -111,7 +111,7 @@ fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str]) -> Session {
 /// A tracer with a fault planted, built over a session's scene.
 fn built(session: &Session, name: &str, preset: Preset, settings: &[(&str, &str)], fault: Fault) -> TracerConfig {
     let registration = find(name).unwrap();
-    let description = (registration.describe)();
+    let description = registration.describe();
     let mut parameters = Parameters::preset(&description.parameters, preset);
     for (parameter, value) in settings {
         parameters.set(&description.parameters, parameter, value).unwrap();
@@ -186,7 +186,7 @@ const BELOW_HALF: [(&str, &str, Fault); 1] = [("voxel-octree", "room", Fault::Mo
 /// Proves that of the rays that a fault makes wrong at least half are unexplained.
 fn check(name: &str, scene: &'static str) {
     let gpu = gpu();
-    let described = (find(name).unwrap().describe)().parameters;
+    let described = find(name).unwrap().describe().parameters;
     let session = session(&gpu, scene, &["stereo", "diffuse"]);
     for (preset, _) in presets(&described) {
         for fault in [Fault::EveryThirdTriangle, Fault::MovedSlab] {

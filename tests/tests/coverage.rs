@@ -306,7 +306,7 @@ fn fragments(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> (usize, usize) {
     let (gpu, frame) = (gpu(), [320, 200]);
     let geometry = Geometry::new(positions.to_vec(), triangles.to_vec(), Some(&gpu)).unwrap();
     let registration = find("fragment-abuffer").unwrap();
-    let described = (registration.describe)().parameters;
+    let described = registration.describe().parameters;
     let mut parameters = Parameters::preset(&described, Preset::Published);
     for (name, value) in [("build", "compute"), ("views", "frame"), ("storage", "ll")] {
         parameters.set(&described, name, value).unwrap();

@@ -13,7 +13,7 @@ use tracebench_tests::{Numbers, gpu, ray, viewpoint};
 /// Answers of the improved preset with some values.
 fn answers(gpu: &Arc<Gpu>, geometry: &Geometry, view: &Viewpoint, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
     let registration = find("dirt").unwrap();
-    let described = (registration.describe)().parameters;
+    let described = registration.describe().parameters;
     let mut parameters = Parameters::preset(&described, Preset::Improved);
     for (name, value) in settings {
         parameters.set(&described, name, value).unwrap();

@@ -17,7 +17,7 @@ use tracebench_tests::{Numbers, gpu, ray, viewpoint};
 fn fetches_equal_gathers_over_the_catalogue() {
     let gpu = gpu();
     let registration = find("dirt").unwrap();
-    let described = (registration.describe)().parameters;
+    let described = registration.describe().parameters;
     let tracer = registration.create(&Ok(Arc::clone(&gpu))).unwrap();
     for (name, scale) in [("room", 0.05), ("hangar", 0.02), ("foliage", 0.02)] {
         let scene = procedural(name, scale).unwrap();

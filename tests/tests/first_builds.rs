@@ -122,7 +122,7 @@ fn rest_on_nothing(registrations: &[Registration]) {
     let (_alone, gpu) = (alone(), gpu());
     let mut asked = 0;
     for registration in registrations {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let created = registration.create(&Ok(Arc::clone(&gpu)));
         let Some(tracer) = available(description.name, created, &gpu) else { continue };
         let presets = presets(&description.parameters).into_iter();

@@ -57,7 +57,7 @@ fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str], size: Size) -> Session {
 /// The tracer with some settings over a preset, built over a session's scene.
 fn built(session: &Session, preset: Preset, settings: &[(&str, &str)]) -> TracerConfig {
     let registration = find(NAME).unwrap();
-    let description = (registration.describe)();
+    let description = registration.describe();
     let mut parameters = Parameters::preset(&description.parameters, preset);
     for (name, value) in settings {
         parameters.set(&description.parameters, name, value).unwrap();

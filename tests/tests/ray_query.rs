@@ -26,7 +26,7 @@ impl Subject {
     /// Nothing where the adapter cannot run it.
     fn new(name: &str, set: &[(&str, &str)], gpu: &Arc<Gpu>) -> Option<Self> {
         let registration = find(name).unwrap();
-        let description = (registration.describe)();
+        let description = registration.describe();
         let mut parameters = Parameters::preset(&description.parameters, Preset::Published);
         for (name, value) in set {
             parameters.set(&description.parameters, name, value).unwrap();

@@ -62,7 +62,7 @@ fn subjects(geometry: &Geometry, gpu: &Arc<Gpu>) -> Vec<Subject> {
     let view = viewpoint([0.0, 0.0, 9.0].into(), [0.0; 3].into(), 0.01, 20.0, [8, 8]);
     let mut subjects = Vec::new();
     for registration in TRACERS {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let Some(tracer) = available(description.name, registration.create(&Ok(Arc::clone(gpu))), gpu) else {
             continue;
         };

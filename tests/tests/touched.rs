@@ -31,7 +31,7 @@ fn served(name: &str, rays: &[Ray]) -> Vec<Ray> {
 fn subjects(gpu: &Arc<Gpu>) -> Vec<(String, Family, Subject)> {
     let mut subjects = Vec::new();
     for registration in TRACERS {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let Some(_) = available(description.name, registration.create(&Ok(Arc::clone(gpu))), gpu) else { continue };
         let by_node = description.parameters.iter().any(|each| each.name == "node");
         for node in if by_node { &["cwbvh", "bvh2"][..] } else { &[""] } {

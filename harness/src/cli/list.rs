@@ -38,7 +38,7 @@ type Listed = (fn() -> Vec<Value>, fn() -> String);
 
 pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
     let (items, text): Listed = match arguments.what {
-        Kind::Tracers => (tracers, || TRACERS.iter().map(|each| tracer_text(&(each.describe)())).collect()),
+        Kind::Tracers => (tracers, || TRACERS.iter().map(|each| tracer_text(&each.describe())).collect()),
         Kind::Scenes => (scenes, scenes_text),
         Kind::Rays => (rays, rays_text),
         Kind::Cases => (cases, || CASES.iter().map(case_text).collect()),
@@ -49,7 +49,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
 
 fn tracers() -> Vec<Value> {
     let item = |registration: &crate::registry::Registration| {
-        let mut item = serde_json::to_value((registration.describe)()).unwrap_or_default();
+        let mut item = serde_json::to_value(registration.describe()).unwrap_or_default();
         item["presets"] = json!(Preset::ALL.map(Preset::name));
         item
     };

@@ -304,14 +304,14 @@ fn refused(known: &[ParameterDescription], of: &str, parameter: &str, error: Par
 }
 
 fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
-    let mut known: Vec<&str> = TRACERS.iter().map(|registration| (registration.describe)().name).collect();
+    let mut known: Vec<&str> = TRACERS.iter().map(|registration| registration.describe().name).collect();
     known.push("all");
     registry::find(name).ok_or_else(|| unknown("tracer", name, &known))
 }
 
 /// Sets one parameter of a tracer.
 fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), CliError> {
-    let description = (request.registration.describe)();
+    let description = request.registration.describe();
     let known = description.parameters;
     request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
 }

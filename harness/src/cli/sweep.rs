@@ -147,7 +147,7 @@ impl SweepArguments {
 
 /// Asks for the parameter of which a value is to be chosen.
 fn which(request: &TracerRequest) -> String {
-    let described = (request.registration.describe)().parameters;
+    let described = request.registration.describe().parameters;
     let worth: Vec<&str> = described.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name).collect();
     let worth = if worth.is_empty() { "it has none with values to choose from".to_owned() } else { worth.join(", ") };
     format!("which parameter of {} is to be chosen? Name one with --over: {worth}", request.name())
@@ -168,7 +168,7 @@ fn default_axes(request: &TracerRequest) -> String {
     if has_sweep(&request.registration) {
         return request.registration.sweep.iter().copied().filter(matters).collect::<Vec<_>>().join(",");
     }
-    let description = (request.registration.describe)();
+    let description = request.registration.describe();
     let swept = description.parameters.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name);
     let sized = description.invalidated_by.contains(&Invalidation::Resolution).then_some(RESOLUTION);
     swept.chain(sized).filter(matters).collect::<Vec<_>>().join(",")
@@ -176,7 +176,7 @@ fn default_axes(request: &TracerRequest) -> String {
 
 /// Reads lists like `tile_size,buckets=1,4,8,resolution`: what is no parameter's name is a value of the one before.
 fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<AxisRecord>, CliError> {
-    let described = (request.registration.describe)().parameters;
+    let described = request.registration.describe().parameters;
     let mut known: Vec<&str> = described.iter().map(|each| each.name).collect();
     known.push(RESOLUTION);
     // Names with their values; `None` where none are given.
@@ -308,7 +308,7 @@ mod tests {
     fn every_tracer_can_be_swept() {
         for registration in TRACERS {
             let request = TracerRequest::of(registration, tracebench_api::Preset::Published);
-            let described = (registration.describe)().parameters;
+            let described = registration.describe().parameters;
             let found = axes(&request, &[default_axes(&request)], "--over").unwrap();
             assert!(!found.is_empty() && found.iter().all(|axis| axis.values.contains(&axis.own)));
             for value in described.iter().flat_map(|each| &each.sweep) {

@@ -245,7 +245,7 @@ fn doublings_are_measured() {
         };
         double(&format!("builds of {name}"), Box::new(build), &mut text);
         let mut config = TracerConfig::ready(
-            (request.registration.describe)(),
+            request.registration.describe(),
             request.parameters.clone(),
             request.registration.create(&device).unwrap(),
         );

@@ -160,7 +160,7 @@ pub(crate) fn control_record(control: Control) -> TracerRecord {
 
 /// A tracer as it was asked for, whether it can run or not.
 pub(crate) fn request_record(request: &TracerRequest) -> TracerRecord {
-    record_of(&(request.registration.describe)(), &request.parameters, Some(request))
+    record_of(&request.registration.describe(), &request.parameters, Some(request))
 }
 
 fn record_of(

@@ -67,7 +67,7 @@ impl<'a> Context<'a> {
     /// A stand-in for a configuration that cannot be created.
     pub(super) fn absent(&self, request: &TracerRequest) -> TracerConfig {
         let nothing = Control::AlwaysMiss.tracer(Vec::new(), 1.0);
-        TracerConfig::ready((request.registration.describe)(), request.parameters.clone(), nothing)
+        TracerConfig::ready(request.registration.describe(), request.parameters.clone(), nothing)
     }
 
     /// That the device can hold the rays of requests which must have one: known before the truth is told, which takes long for

@@ -165,7 +165,7 @@ impl TracerCache {
         let same = |(other, ..): &&(TracerRequest, Rc<dyn Tracer>, f64)| {
             other.name() == request.name() && other.parameters == request.parameters
         };
-        let description = (request.registration.describe)();
+        let description = request.registration.describe();
         if let Some((_, tracer, setup_ms)) = self.created.iter().find(same) {
             let (tracer, parameters) = (Rc::clone(tracer), request.parameters.clone());
             let now = Instant::now;

@@ -225,7 +225,7 @@ impl ExperimentRow {
     /// With every combination of its values, and of those of launch settings that its tracer has.
     fn requests(&self, launch: &[(&str, &[&str])]) -> Vec<TracerRequest> {
         let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
-        let known = (registration.describe)().parameters;
+        let known = registration.describe().parameters;
         let launch = launch.iter().filter(|(name, _)| known.iter().any(|parameter| parameter.name == *name));
         let mut requests = vec![TracerRequest::of(registration, Preset::Published)];
         for (parameter, values) in self.values.iter().chain(launch) {

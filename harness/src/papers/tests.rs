@@ -108,7 +108,7 @@ fn experiments_name_what_exists() {
         }
         for (step, requests) in experiment.steps.iter().zip(experiment.requests()) {
             let combinations = |row: &ExperimentRow| {
-                let known = (crate::registry::find(row.tracer).unwrap().describe)().parameters;
+                let known = crate::registry::find(row.tracer).unwrap().describe().parameters;
                 let has = |name: &str| experiment.launch && known.iter().any(|parameter| parameter.name == name);
                 let launch = experiment::MEANS.iter().filter(|(name, _)| has(name));
                 row.values.iter().chain(launch).map(|(_, values)| values.len()).product::<usize>()

@@ -111,11 +111,11 @@ impl Table {
     ) -> Vec<TracerRequest> {
         let is_reference = |request: &TracerRequest| request.name() == self.reference();
         let reference = published.iter().find(|request| is_reference(request));
-        let known = reference.map(|request| (request.registration.describe)().parameters).unwrap_or_default();
+        let known = reference.map(|request| request.registration.describe().parameters).unwrap_or_default();
         let mut configs = Vec::new();
         for request in &published {
             configs.push(request.clone());
-            for parameter in (request.registration.describe)().parameters {
+            for parameter in request.registration.describe().parameters {
                 let wanted = if is_reference(request) {
                     swept == Some(parameter.name)
                 } else {
@@ -182,7 +182,7 @@ mod tests {
         for (table, _, swept) in of_peers() {
             let reference = registry::find(table.reference()).unwrap();
             assert!(table.has(reference));
-            let parameters = (reference.describe)().parameters;
+            let parameters = reference.describe().parameters;
             assert!(swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
         }
         assert!(find("no-such").is_none() && names.contains(&"launch-settings"));
@@ -195,13 +195,13 @@ mod tests {
         for (table, family, swept) in of_peers() {
             let rows = table.configs();
             for registration in TRACERS {
-                let name = (registration.describe)().name;
+                let name = registration.describe().name;
                 let found = rows.iter().filter(|row| row.name() == name).count();
                 assert_eq!(found > 0, table.has(registration), "{name} in {}", table.name);
                 assert!(family.is_some() || found == 1, "{name} in {}", table.name);
             }
             let of_reference = rows.iter().filter(|row| row.name() == table.reference()).count();
-            let parameters = (registry::find(table.reference()).unwrap().describe)().parameters;
+            let parameters = registry::find(table.reference()).unwrap().describe().parameters;
             let swept = parameters.iter().find(|each| Some(each.name) == swept).map_or(1, |each| each.sweep.len());
             assert_eq!(of_reference, swept, "{}", table.name);
             for (index, row) in rows.iter().enumerate() {

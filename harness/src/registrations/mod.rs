@@ -103,7 +103,7 @@ pub struct Improved {
 #[derive(Clone, Copy)]
 pub struct Registration {
     /// What it is and takes.
-    pub describe: fn() -> TracerDescription,
+    description: fn() -> TracerDescription,
     /// Its name in older records.
     pub formerly: Option<&'static str>,
     /// Its peers.
@@ -140,9 +140,9 @@ pub struct Registration {
 
 impl Registration {
     /// The registration of a method that samples, with nothing more said of it.
-    pub const fn sampled(describe: fn() -> TracerDescription, family: Family, create: Create) -> Self {
+    pub const fn sampled(description: fn() -> TracerDescription, family: Family, create: Create) -> Self {
         Self {
-            describe,
+            description,
             family,
             one_origin: false,
             create,
@@ -162,8 +162,8 @@ impl Registration {
     }
 
     /// The registration of a method with analytic hits, which is expected to have no wrong ray where nothing else is said.
-    pub const fn analytic(describe: fn() -> TracerDescription, family: Family, create: Create) -> Self {
-        Self { otherwise: Some(Expectation::Exact), ..Self::sampled(describe, family, create) }
+    pub const fn analytic(description: fn() -> TracerDescription, family: Family, create: Create) -> Self {
+        Self { otherwise: Some(Expectation::Exact), ..Self::sampled(description, family, create) }
     }
 
     /// Whether a parameter, or `resolution`, can change anything beside the values of the others.
@@ -210,13 +210,18 @@ impl Registration {
         self.otherwise == Some(Expectation::Exact)
     }
 
+    /// What it is and takes.
+    pub fn describe(&self) -> TracerDescription {
+        (self.description)()
+    }
+
     /// Its name.
     pub fn name(&self) -> &'static str {
-        (self.describe)().name
+        self.describe().name
     }
 
     /// Whether it needs a device.
     pub fn needs_device(&self) -> bool {
-        (self.describe)().residency == Residency::Device
+        self.describe().residency == Residency::Device
     }
 }

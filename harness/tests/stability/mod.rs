@@ -28,7 +28,7 @@ fn gpu() -> Arc<Gpu> {
 /// adapter cannot run, as if by `all`.
 fn requests() -> Vec<TracerRequest> {
     let requests = |each: &'static Registration| {
-        let required = available((each.describe)().name, each.create(&Ok(gpu())), &gpu()).is_some();
+        let required = available(each.describe().name, each.create(&Ok(gpu())), &gpu()).is_some();
         let improved = each.improved.map(|_| Preset::Improved);
         let request = move |preset| TracerRequest { required, ..TracerRequest::of(each, preset) };
         [Preset::Published].into_iter().chain(improved).map(request)
@@ -302,7 +302,7 @@ fn every_case_is_stated() {
     let shares = ExpectedShares::stated().unwrap();
     assert_eq!(shares.text(), include_str!("../../src/studies/stability/expected.csv"));
     for tracer in TRACERS {
-        let parameters = |preset| Parameters::preset(&(tracer.describe)().parameters, preset);
+        let parameters = |preset| Parameters::preset(&tracer.describe().parameters, preset);
         let differ = parameters(Preset::Published) != parameters(Preset::Improved);
         assert!(differ || tracer.improved.is_none(), "{}", tracer.name());
         for (preset, case) in Preset::ALL.into_iter().flat_map(|preset| CASES.iter().map(move |case| (preset, case))) {

@@ -43,7 +43,7 @@ fn verdict(case: &Case, candidate: Candidate) -> (Verdict, String) {
 /// `bvh-cpu` built over a session's scene.
 fn built(session: &Session) -> TracerConfig {
     let registration = bvh_cpu();
-    let description = (registration.describe)();
+    let description = registration.describe();
     let parameters = Parameters::preset(&description.parameters, Preset::Published);
     let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
     let mut config = TracerConfig::create(description, parameters, || registration.create(&device)).unwrap();

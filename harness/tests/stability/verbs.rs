@@ -42,7 +42,7 @@ fn plan(scene: &str, tracers: &[TracerRequest]) -> Plan {
 }
 
 fn axis(request: &TracerRequest) -> AxisRecord {
-    parameter_axis(request, &(request.registration.describe)().parameters[0], None).unwrap()
+    parameter_axis(request, &request.registration.describe().parameters[0], None).unwrap()
 }
 
 /// A verb at its smallest, once over all tracers or once for each.

@@ -106,7 +106,7 @@ struct Built {
 }
 
 fn parameters(name: &str, settings: &[(&str, &str)]) -> Parameters {
-    let described = (find(name).unwrap().describe)().parameters;
+    let described = find(name).unwrap().describe().parameters;
     let mut parameters = Parameters::preset(&described, Preset::Published);
     for (parameter, value) in settings {
         parameters.set(&described, parameter, value).unwrap();

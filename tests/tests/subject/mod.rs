@@ -27,7 +27,7 @@ pub fn view() -> Viewpoint {
 impl Subject {
     pub fn new(name: &str, set: &[(&str, &str)], gpu: &Arc<Gpu>) -> Self {
         let registration = find(name).unwrap();
-        let description = (registration.describe)();
+        let description = registration.describe();
         let mut parameters = Parameters::preset(&description.parameters, Preset::Published);
         for (name, value) in set {
             parameters.set(&description.parameters, name, value).unwrap();

@@ -9,7 +9,7 @@ use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,
     Projection, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TraceTo, TracerError,
 };
-use tracebench_harness::registry::TRACERS;
+use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
 
 impl Subject {
@@ -110,7 +110,7 @@ fn answers_are_whole_and_repeatable_in_long_lists() {
 fn descriptions_say_what_is_served() {
     let scene = &scenes()[0];
     for subject in subjects() {
-        let described = (tracebench_harness::registry::find(subject.name).unwrap().describe)();
+        let described = tracebench_harness::registry::find(subject.name).unwrap().describe();
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
         for (trace_to, query) in TraceTo::ALL.into_iter().flat_map(|trace_to| Query::ALL.map(|query| (trace_to, query)))
         {
@@ -217,7 +217,7 @@ fn equal_hits_go_to_the_lower_primitive() {
     let rays: Vec<Ray> = (0..64).map(|i| ray(DVec3::new(0.7, -0.9 + 0.02 * f64::from(i), 2.0), DVec3::NEG_Z)).collect();
     for mut subject in subjects().into_iter().filter(|subject| subject.names_primitives) {
         let registration = tracebench_harness::registry::find(subject.name).unwrap();
-        let described = (registration.describe)().parameters;
+        let described = registration.describe().parameters;
         let sweeps = described.iter().flat_map(|each| each.sweep.iter().map(|value| (each.name, value.to_string())));
         let own = subject.parameters.clone();
         for (name, value) in sweeps {
@@ -255,7 +255,7 @@ fn structures_live_side_by_side() {
             assert_eq!(bytes(&subject.trace(&*first, &rays)), bytes(&before), "{} on {}", subject.name, scene.name);
             drop(first);
             assert_eq!(bytes(&subject.trace(&*second, &rays)), bytes(&from_second), "{}", subject.name);
-            let depends = TRACERS.iter().map(|registration| (registration.describe)()).any(|description| {
+            let depends = TRACERS.iter().map(Registration::describe).any(|description| {
                 description.name == subject.name
                     && description.invalidated_by.contains(&tracebench_api::Invalidation::Viewpoint)
             });

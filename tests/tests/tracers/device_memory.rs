@@ -128,7 +128,7 @@ struct Subject {
 fn subjects(gpu: &Arc<Gpu>) -> Vec<Subject> {
     let mut subjects = Vec::new();
     for registration in TRACERS.iter().filter(|each| each.needs_device()) {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let mut settings: Vec<Parameters> =
             presets(&description.parameters).into_iter().map(|(_, parameters)| parameters).collect();
         let presets = settings.len();

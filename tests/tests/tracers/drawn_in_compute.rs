@@ -8,7 +8,7 @@ use tracebench_harness::registry::find;
 fn drawn_in_compute() -> Vec<Subject> {
     let mut found: Vec<Subject> = Vec::new();
     for mut subject in subjects() {
-        let described = (find(subject.name).unwrap().describe)().parameters;
+        let described = find(subject.name).unwrap().describe().parameters;
         let offers = described.iter().any(|parameter| {
             parameter.name == "build"
                 && matches!(&parameter.domain, Domain::Choice(names) if names.contains(&"compute"))

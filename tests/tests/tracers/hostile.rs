@@ -29,7 +29,7 @@ pub struct Subject {
 impl Subject {
     /// A tracer with each of its presets; nothing where the adapter cannot run it.
     fn of(registration: &Registration) -> Vec<Self> {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let gpu = gpu();
         // One for all presets: drivers compile each of its pipelines once.
         let created = registration.create(&Ok(Arc::clone(&gpu)));

@@ -43,7 +43,7 @@ fn means_change_no_hit() {
     let (geometry, view, rays) = scene();
     let mut compared = 0;
     for registration in TRACERS {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let name = description.name;
         let has = |parameter: &str| description.parameters.iter().any(|each| each.name == parameter);
         if !has(MEMORY_ACCESS) || !has(RAYS_PER_LANE) {

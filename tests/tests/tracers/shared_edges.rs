@@ -84,7 +84,7 @@ fn no_ray_is_lost_between_triangles() {
     let meshes = grids().into_iter().chain([closed("box", 1, 0.0, 61), closed("solid", 6, 0.1, 62)]);
     let meshes: Vec<Mesh> = meshes.collect();
     for mut subject in subjects().into_iter().filter(|subject| subject.names_primitives) {
-        let described = (find(subject.name).unwrap().describe)().parameters;
+        let described = find(subject.name).unwrap().describe().parameters;
         let builds = described.iter().find(|parameter| parameter.name == "build");
         let builds = builds.map_or_else(|| vec![None], |build| build.sweep.iter().map(Some).collect());
         for (build, mesh) in builds.into_iter().flat_map(|build| meshes.iter().map(move |mesh| (build, mesh))) {

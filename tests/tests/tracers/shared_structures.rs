@@ -27,7 +27,7 @@ impl Subject {
     /// Nothing where the adapter cannot run it.
     fn new(registration: &Registration) -> Option<Self> {
         let gpu = gpu();
-        let description = (registration.describe)();
+        let description = registration.describe();
         let tracer = available(description.name, registration.create(&Ok(Arc::clone(&gpu))), &gpu)?;
         let scene = procedural("room", 0.03).unwrap();
         let camera = &scene.cameras[0];

@@ -26,7 +26,7 @@ struct Subject {
 fn subjects() -> Vec<Subject> {
     let gpu = gpu();
     let of = |registration: &'static Registration| {
-        let description = (registration.describe)();
+        let description = registration.describe();
         // One for all presets: drivers compile each of its pipelines once.
         let created = registration.create(&Ok(Arc::clone(&gpu)));
         let tracer = available(description.name, created, &gpu).map(Rc::<dyn Tracer>::from);
@@ -79,7 +79,7 @@ impl Subject {
 
     fn hits(&self, structure: &dyn Structure, rays: &[Ray]) -> Vec<Hit> {
         let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(&self.gpu));
-        let residency = (self.registration.describe)().residency;
+        let residency = self.registration.describe().residency;
         let mut hits = HitBuffer::new(rays.host.len(), residency, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let mut clock = PhaseClock::new(Some(&self.gpu));
@@ -161,7 +161,7 @@ fn structures_follow(name: &str, time_s: f64) {
             assert!(hit_count > 100, "{context}: {hit_count} hits");
             moving = moving.with_positions(later.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
             // What is not served is told before and refused in the same words.
-            let served = (subject.registration.describe)().serves(update);
+            let served = subject.registration.describe().serves(update);
             match subject.update(&mut *structure, update, &moving, &view) {
                 Ok(()) => assert!(served.is_ok(), "{context} {}", update.name()),
                 Err(error @ TracerError::Unsupported(_)) => {
@@ -260,7 +260,7 @@ fn structures_follow_growing_scenes() {
         let rays = rays(&scene, 8, subject.registration.one_origin).into_iter();
         let rays: Vec<Ray> = rays.map(|ray| Ray { origin: ray.origin.map(|value| 3.0 * value), ..ray }).collect();
         let expected = subject.hits(&*subject.build(&after, &second), &rays);
-        let described = (subject.registration.describe)();
+        let described = subject.registration.describe();
         for update in [Update::Rebuild, Update::Refit].into_iter().filter(|update| described.serves(*update).is_ok()) {
             let mut structure = subject.build(&before, &first);
             subject.update(&mut *structure, update, &after, &second).unwrap();

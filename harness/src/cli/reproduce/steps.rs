@@ -67,7 +67,7 @@ pub(super) fn steps(whole: bool, on_hardware: bool) -> Vec<Step> {
 /// Other ways to build: image-space structures in compute in the place of the rasterizer, hierarchies by their quickest builder.
 fn builders(is_of: impl Fn(Family) -> bool) -> String {
     let of = |registration: &Registration| {
-        let description = (registration.describe)();
+        let description = registration.describe();
         let build = description.parameters.into_iter().find(|parameter| ["build", "tree"].contains(&parameter.name))?;
         let Domain::Choice(values) = build.domain else { return None };
         let value = if registration.family == Family::Bvh { values.first() } else { values.last() };

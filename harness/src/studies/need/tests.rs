@@ -36,7 +36,7 @@ fn steps_are_of_rooms() {
                 assert!(wanted.iter().all(|step| Some((*step).to_owned()) != value));
             }
         }
-        let described = (registration.describe)();
+        let described = registration.describe();
         for touch in registration.touches {
             assert!(touch.counter.ends_with("_touched") && !touch.parts.is_empty(), "{}", described.name);
         }

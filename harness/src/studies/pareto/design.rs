@@ -41,7 +41,7 @@ pub struct Designed {
 /// has values worth sweeping, in the order of its description. Launch settings are equal for all, and what its registration excludes is
 /// left out, as is what changes nothing beside the request's other values.
 pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
-    let description = (request.registration.describe)();
+    let description = request.registration.describe();
     let taken = |name: &str| {
         ![MEMORY_ACCESS, RAYS_PER_LANE].contains(&name)
             && !request.registration.excluded_from_fronts.contains(&name)
@@ -256,7 +256,7 @@ mod tests {
             assert_eq!(steps(excluded_from_fronts), None, "{excluded_from_fronts}");
         }
         for registration in TRACERS {
-            let described = (registration.describe)();
+            let described = registration.describe();
             let known = |name: &str| described.parameters.iter().any(|each| each.name == name);
             assert!(registration.excluded_from_fronts.iter().all(|name| known(name)), "{}", described.name);
             let request = TracerRequest::of(registration, Preset::Published);

@@ -234,7 +234,7 @@ impl Pareto {
     ) -> Result<(), RunError> {
         let can = |point: &usize| {
             let registration = self.points[*point].request.registration;
-            (registration.describe)().serves(Update::Refit).is_ok()
+            registration.describe().serves(Update::Refit).is_ok()
         };
         let points: Vec<usize> = points.iter().copied().filter(can).collect();
         if points.is_empty() {

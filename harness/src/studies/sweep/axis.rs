@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn axes_are_in_order() {
         let mut request = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);
-        let described = (request.registration.describe)().parameters;
+        let described = request.registration.describe().parameters;
         let axis = |request: &TracerRequest, name: &str, values: &[&str]| {
             let values: Vec<String> = values.iter().map(|value| (*value).to_owned()).collect();
             let described = described.iter().find(|each| each.name == name).unwrap();

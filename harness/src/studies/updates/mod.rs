@@ -190,7 +190,7 @@ fn roles<'a>(
         for update_mode in update_modes.iter().copied() {
             let role = Role { request, update_mode, frame: None, stale_by: Vec::new() };
             let Some(asked) = role.asked() else { continue };
-            let served = asked.follows.map_or(Ok(()), |update| (request.registration.describe)().serves(update));
+            let served = asked.follows.map_or(Ok(()), |update| request.registration.describe().serves(update));
             match served {
                 Ok(()) => roles.push(role),
                 Err(error) => {
@@ -264,7 +264,7 @@ mod tests {
             );
             for registration in TRACERS {
                 let request = TracerRequest::of(registration, Preset::Published);
-                let parameters = (registration.describe)().parameters;
+                let parameters = registration.describe().parameters;
                 let can = update_mode.setting.is_none_or(|(name, _)| parameters.iter().any(|each| each.name == name));
                 assert_eq!(update_mode.taken_by(&request).is_some(), can, "{} of {}", update_mode.name, request.name());
             }

@@ -103,7 +103,7 @@ impl Moved {
     /// What makes a role's structure stale: only what is reused can be.
     fn stale(&self, role: &Role<'_>) -> Vec<String> {
         let reused = role.update_mode.is_some_and(|update_mode| update_mode.update == Update::Reuse);
-        let invalid = (role.request.registration.describe)().invalidated_by;
+        let invalid = role.request.registration.describe().invalidated_by;
         let changes = [
             (self.geometry, Invalidation::Geometry, "geometry"),
             (self.viewpoint, Invalidation::Viewpoint, "viewpoint"),
