@@ -100,6 +100,10 @@ pub struct PhaseClock<'gpu> {
     gpu: Option<&'gpu Gpu>,
     now: fn() -> Instant,
     encoder: Option<wgpu::CommandEncoder>,
+    /// What stands before the names of phases.
+    part: String,
+    /// Whether it has timed parts of a method.
+    has_parts: bool,
     device_phases: Vec<String>,
     host_phases: Vec<PhaseSample>,
     host_span: Option<(Instant, Instant)>,
@@ -113,7 +117,19 @@ impl<'gpu> PhaseClock<'gpu> {
 
     /// The same by another clock of the host than the system's.
     pub fn read_by(gpu: Option<&'gpu Gpu>, now: fn() -> Instant) -> Self {
-        Self { gpu, now, encoder: None, device_phases: Vec::new(), host_phases: Vec::new(), host_span: None }
+        let (part, device_phases, host_phases) = Default::default();
+        Self { gpu, now, encoder: None, part, has_parts: false, device_phases, host_phases, host_span: None }
+    }
+
+    /// Does the work of a part of a method, whose phases are told as `PART: PHASE`. Where one part works on the host and another on the
+    /// device, all is timed by the host's clock.
+    pub fn within<R>(&mut self, part: &str, work: impl FnOnce(&mut Self) -> R) -> R {
+        let outer = self.part.len();
+        self.has_parts = true;
+        self.part += &format!("{part}: ");
+        let result = work(self);
+        self.part.truncate(outer);
+        result
     }
 
     /// Runs and times work on the host.
@@ -121,7 +137,8 @@ impl<'gpu> PhaseClock<'gpu> {
         let begin = (self.now)();
         let result = work();
         let end = (self.now)();
-        self.host_phases.push(PhaseSample { name: name.to_owned(), duration_ms: (end - begin).as_secs_f64() * 1e3 });
+        self.host_phases
+            .push(PhaseSample { name: self.part.clone() + name, duration_ms: (end - begin).as_secs_f64() * 1e3 });
         self.host_span = Some((self.host_span.map_or(begin, |(first, _)| first), end));
         result
     }
@@ -129,7 +146,7 @@ impl<'gpu> PhaseClock<'gpu> {
     /// Records work for the device; it is submitted, and the phase timed, when the clock is finished.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] without a device, [`TracerError::Failed`] beyond 32 phases.
+    /// [`TracerError::Unavailable`] without a device, [`TracerError::Failed`] beyond 64 phases.
     pub fn device_phase(
         &mut self,
         name: &str,
@@ -144,7 +161,7 @@ impl<'gpu> PhaseClock<'gpu> {
             stamps.write(encoder, 0);
         }
         record(encoder);
-        self.device_phases.push(name.to_owned());
+        self.device_phases.push(self.part.clone() + name);
         if let Some(stamps) = &gpu.stamps {
             stamps.write(encoder, self.device_phases.len() as u32);
         }
@@ -157,6 +174,22 @@ impl<'gpu> PhaseClock<'gpu> {
     /// [`TracerError::Failed`] if nothing was timed, host and device phases were mixed, or the device failed.
     pub fn finish(mut self) -> Result<Timing, TracerError> {
         match (self.encoder.take(), self.host_span) {
+            (Some(encoder), Some((begin, _))) if self.has_parts => {
+                let gpu = self.gpu.ok_or_else(|| TracerError::Failed("a device phase without a device".to_owned()))?;
+                let submitted = (self.now)();
+                gpu.queue.submit([encoder.finish()]);
+                gpu.wait()?;
+                let end = (self.now)();
+                let ms = |from: Instant| (end - from).as_secs_f64() * 1e3;
+                self.host_phases.push(PhaseSample { name: "on the device".to_owned(), duration_ms: ms(submitted) });
+                Ok(Timing {
+                    clock: ClockKind::Host,
+                    total_ms: ms(begin),
+                    phases: self.host_phases,
+                    submit_to_done_ms: None,
+                    grown: false,
+                })
+            }
             (Some(_), Some(_)) => Err(TracerError::Failed("host and device phases in one sample".to_owned())),
             (None, None) => Err(TracerError::Failed("nothing was timed".to_owned())),
             (None, Some((begin, end))) => Ok(Timing {
@@ -268,7 +301,7 @@ pub(crate) struct Stamps {
 }
 
 impl Stamps {
-    const MAX_PHASES: usize = 32;
+    const MAX_PHASES: usize = 64;
 
     pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let size = Self::bytes(Self::MAX_PHASES);
@@ -317,10 +350,12 @@ mod tests {
     fn host_phases_add_up() {
         let mut clock = PhaseClock::new(None);
         clock.host_phase("first", || std::thread::sleep(std::time::Duration::from_millis(3)));
-        clock.host_phase("second", || ());
+        clock.within("part", |clock| clock.host_phase("second", || ()));
+        clock.host_phase("third", || ());
         let timing = clock.finish().unwrap();
         assert_eq!(timing.clock, ClockKind::Host);
-        assert_eq!(timing.phases.iter().map(|phase| phase.name.as_str()).collect::<Vec<_>>(), ["first", "second"]);
+        let names: Vec<&str> = timing.phases.iter().map(|phase| phase.name.as_str()).collect();
+        assert_eq!(names, ["first", "part: second", "third"]);
         assert!(timing.total_ms >= 3.0);
         assert!(timing.phases.iter().map(|phase| phase.duration_ms).sum::<f64>() <= timing.total_ms);
     }

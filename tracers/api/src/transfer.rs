@@ -10,12 +10,14 @@ use crate::{Gpu, Hit, MemoryEntry, Query, Ray, Residency, Surface, TraceTo, Trac
 /// One ray set; made once, uploaded once, the same for every tracer.
 #[derive(Clone, Debug)]
 pub struct RayBuffer {
-    /// The rays.
+    /// The rays; of rays chosen on the device all that they were chosen from.
     pub host: Arc<Vec<Ray>>,
     /// The rays in a storage buffer, or why they are in none.
     device: Result<wgpu::Buffer, TracerError>,
     /// What is asked of them.
     pub query: Query,
+    /// Workgroups of a search, where only the device knows how many rays are asked.
+    workgroups: Option<wgpu::Buffer>,
 }
 
 const HINT: &str = "--size";
@@ -28,7 +30,20 @@ impl RayBuffer {
             None => Err(TracerError::Unavailable("the rays are not on a device".to_owned())),
             Some(gpu) => upload(gpu, bytemuck::cast_slice(&rays)),
         };
-        Self { host: rays, device, query }
+        Self { host: rays, device, query, workgroups: None }
+    }
+
+    /// Some of these rays, chosen on the device: a storage buffer of as many records, the chosen rays first, and behind them rays that end
+    /// before they begin (`t_min` > `t_max`) and hit nothing. Hits have room for all. `workgroups` tells searches how many are to be
+    /// asked, by three words for every number of rays a lane (`dispatch_rays` of kit); without it all are.
+    #[must_use]
+    pub fn chosen(&self, rays: wgpu::Buffer, workgroups: Option<wgpu::Buffer>) -> Self {
+        Self { host: Arc::clone(&self.host), device: Ok(rays), query: self.query, workgroups }
+    }
+
+    /// The workgroups of searches, where only the device knows how many rays are asked.
+    pub fn workgroups(&self) -> Option<&wgpu::Buffer> {
+        self.workgroups.as_ref()
     }
 
     /// Whether a device can bind that many rays.

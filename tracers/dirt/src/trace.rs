@@ -81,8 +81,8 @@ impl Search for DirtStructure {
             }
             groups
         };
-        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
-        let rays = SearchedRays { count, per_lane, hits: hits_on_device, left: Left::CutOff };
+        let per_lane = search.rays_per_lane;
+        let rays = SearchedRays { rays: job.rays, per_lane, hits: hits_on_device, left: Left::CutOff };
         self.pipelines.trace.record(gpu, variant, rays, bind, clock)?;
         self.record_surfaces(job, parameters.fetch, hits, clock)
     }

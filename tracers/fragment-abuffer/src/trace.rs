@@ -134,8 +134,8 @@ impl Search for FragmentStructure {
             }
             groups
         };
-        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
-        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        let per_lane = search.rays_per_lane;
+        let rays = SearchedRays { rays: job.rays, per_lane, hits: hit_buffer, left: Left::CutOff };
         pipelines.traces.record(gpu, variant, rays, bind, clock)
     }
 

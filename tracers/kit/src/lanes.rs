@@ -1,7 +1,7 @@
 //! How a search is launched: rays that a lane answers one after the other (shaders/shared/lanes.wgsl).
 
 use tracebench_api::wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline};
-use tracebench_api::{Gpu, Parameter, ParameterScope, PhaseClock, TracerError};
+use tracebench_api::{Gpu, Parameter, ParameterScope, PhaseClock, RayBuffer, TracerError};
 use tracebench_shaders::Shader;
 
 use crate::{PipelinesOnDemand, dispatch_linear_groups};
@@ -9,11 +9,17 @@ use crate::{PipelinesOnDemand, dispatch_linear_groups};
 /// Lanes of a workgroup: `WORKGROUP_SIZE` of shaders/shared/lanes.wgsl.
 pub const LANES_OF_WORKGROUP: u32 = 64;
 
+/// Most rays that a lane answers one after the other.
+pub const MAX_RAYS_PER_LANE: u32 = 256;
+
 /// The parameter `rays_per_lane`, the same for every tracer that searches on the device.
 pub fn rays_per_lane_parameter() -> Parameter<u32> {
     let effect = "rays that a lane answers one after the other, at the mean (persistent lanes), so that lanes with short searches need \
                   not wait for others: many suit incoherent rays and few cores, few suit coherent rays and many cores";
-    Parameter::integer(ParameterScope::Trace, 1..=256, 1).effect(effect).unit("rays").sweep([1, 2, 4, 8, 16, 32, 64])
+    Parameter::integer(ParameterScope::Trace, 1..=MAX_RAYS_PER_LANE, 1)
+        .effect(effect)
+        .unit("rays")
+        .sweep([1, 2, 4, 8, 16, 32, 64])
 }
 
 /// Rounds after which Mesa's software driver ends the loops of eight lanes together, in all.
@@ -25,15 +31,44 @@ pub fn rays_within_rounds(asked: u32, max_rounds_of_ray: u64) -> u32 {
     u64::from(asked).min(MAX_ROUNDS / max_rounds_of_ray.max(1)).max(1) as u32
 }
 
+/// How many rays a search answers.
+#[derive(Clone, Copy, Debug)]
+pub enum RayCount<'a> {
+    /// So many.
+    Known(u32),
+    /// Only the device knows: for 1 to [`MAX_RAYS_PER_LANE`] rays a lane three words each, the workgroups of [`LANES_OF_WORKGROUP`]
+    /// lanes, folded as all dispatches are.
+    OnDevice(&'a Buffer),
+}
+
+impl From<u32> for RayCount<'_> {
+    fn from(count: u32) -> Self {
+        Self::Known(count)
+    }
+}
+
+impl<'a> From<&'a RayBuffer> for RayCount<'a> {
+    fn from(rays: &'a RayBuffer) -> Self {
+        rays.workgroups().map_or(Self::Known(rays.host.len() as u32), Self::OnDevice)
+    }
+}
+
 /// Records a dispatch that answers so many rays.
-pub fn dispatch_rays(
+pub fn dispatch_rays<'a>(
     encoder: &mut CommandEncoder,
     pipeline: &ComputePipeline,
     bindings: &[&BindGroup],
-    ray_count: u32,
+    rays: impl Into<RayCount<'a>>,
     rays_per_lane: u32,
 ) {
-    dispatch_linear_groups(encoder, pipeline, bindings, ray_count.div_ceil(rays_per_lane), LANES_OF_WORKGROUP);
+    match rays.into() {
+        RayCount::Known(count) => {
+            dispatch_linear_groups(encoder, pipeline, bindings, count.div_ceil(rays_per_lane), LANES_OF_WORKGROUP);
+        }
+        RayCount::OnDevice(workgroups) => {
+            dispatch_indirect_at(encoder, pipeline, bindings, workgroups, 12 * u64::from(rays_per_lane - 1));
+        }
+    }
 }
 
 /// Records a dispatch of as many workgroups as a buffer says when it runs: three words.
@@ -43,12 +78,23 @@ pub fn dispatch_indirect(
     bindings: &[&BindGroup],
     workgroups: &Buffer,
 ) {
+    dispatch_indirect_at(encoder, pipeline, bindings, workgroups, 0);
+}
+
+/// The same with the words at a byte of the buffer.
+fn dispatch_indirect_at(
+    encoder: &mut CommandEncoder,
+    pipeline: &ComputePipeline,
+    bindings: &[&BindGroup],
+    workgroups: &Buffer,
+    offset: u64,
+) {
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(pipeline);
     for (group, bindings) in (0..).zip(bindings) {
         pass.set_bind_group(group, *bindings, &[]);
     }
-    pass.dispatch_workgroups_indirect(workgroups, 0);
+    pass.dispatch_workgroups_indirect(workgroups, offset);
 }
 
 /// Pipelines of a search that drivers may cut off (shaders/shared/lanes.wgsl): its entry points `trace`, whose lanes leave rays without an
@@ -73,8 +119,8 @@ pub enum Left<'a> {
 /// What a search is to answer.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchedRays<'a> {
-    /// How many.
-    pub count: u32,
+    /// The rays.
+    pub rays: &'a RayBuffer,
     /// Rays that a lane answers.
     pub per_lane: u32,
     /// Where their hits go.
@@ -102,7 +148,7 @@ impl SearchPipelines {
         bind: impl Fn(&ComputePipeline, bool) -> Vec<BindGroup>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let SearchedRays { count, per_lane, hits, left } = rays;
+        let SearchedRays { rays, per_lane, hits, left } = rays;
         let shader = variant.into();
         let bound = |pipelines: &PipelinesOnDemand, is_first: bool| -> Result<_, TracerError> {
             let pipeline = pipelines.of(gpu, shader)?;
@@ -117,12 +163,12 @@ impl SearchPipelines {
                 // No status is 0.
                 encoder.clear_buffer(hits, 0, None);
             }
-            dispatch_rays(encoder, &first, &first_groups.iter().collect::<Vec<_>>(), count, per_lane);
+            dispatch_rays(encoder, &first, &first_groups.iter().collect::<Vec<_>>(), rays, per_lane);
             if let Some((second, groups)) = &second {
                 let groups: Vec<_> = groups.iter().collect();
                 match left {
                     Left::Told(workgroups) => dispatch_indirect(encoder, second, &groups, workgroups),
-                    Left::CutOff | Left::Any => dispatch_rays(encoder, second, &groups, count, 1),
+                    Left::CutOff | Left::Any => dispatch_rays(encoder, second, &groups, rays, 1),
                 }
             }
         })

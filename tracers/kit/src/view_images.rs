@@ -260,7 +260,7 @@ impl RasterizedView {
         let arrays = (!arrays.is_empty()).then(|| bind_arrays(gpu, &pipeline, &arrays));
         let bindings: Vec<_> = std::iter::once(&bindings).chain(&arrays).collect();
         clock.device_phase(name, |encoder| {
-            dispatch_rays(encoder, &pipeline, &bindings, job.rays.host.len() as u32, rays_per_lane);
+            dispatch_rays(encoder, &pipeline, &bindings, job.rays, rays_per_lane);
         })
     }
 

@@ -124,7 +124,7 @@ impl WarpStructure {
             resources.extend([(7, BindingResource::TextureView(&primitives.all)), (8, triangles.as_entire_binding())]);
         }
         let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
-        clock.device_phase("search", |encoder| dispatch_rays(encoder, &pipeline, &[&bindings], count as u32, 1))
+        clock.device_phase("search", |encoder| dispatch_rays(encoder, &pipeline, &[&bindings], job.rays, 1))
     }
 
     pub(crate) fn memory_of_trace(&self, job: &TraceJob<'_>) -> Vec<MemoryEntry> {

@@ -112,8 +112,8 @@ impl QuadtreeStructure {
             let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
             vec![own, bind_arrays(gpu, pipeline, self.images.bound(surfaces))]
         };
-        let (count, per_lane) = (settings.ray_count, settings.rays_per_lane);
-        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        let per_lane = settings.rays_per_lane;
+        let rays = SearchedRays { rays: job.rays, per_lane, hits: hit_buffer, left: Left::CutOff };
         self.pipelines.traces.record(gpu, variant, rays, bind, clock)?;
         Ok(weights)
     }

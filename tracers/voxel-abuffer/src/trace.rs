@@ -73,7 +73,7 @@ impl VoxelStructure {
         let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
         let arrays = bind_arrays(gpu, &pipeline, &self.arrays.bound(false));
         clock.device_phase("trace", |encoder| {
-            dispatch_rays(encoder, &pipeline, &[&own, &arrays], search.ray_count, search.rays_per_lane);
+            dispatch_rays(encoder, &pipeline, &[&own, &arrays], job.rays, search.rays_per_lane);
         })
     }
 }
@@ -117,8 +117,8 @@ impl Search for VoxelStructure {
             }
             groups
         };
-        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
-        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        let per_lane = search.rays_per_lane;
+        let rays = SearchedRays { rays: job.rays, per_lane, hits: hit_buffer, left: Left::CutOff };
         pipelines.trace.record(gpu, variant, rays, bind, clock)
     }
 

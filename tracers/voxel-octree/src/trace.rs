@@ -59,7 +59,7 @@ impl Search for OctreeStructure {
         let read = if surfaces { &self.arrays[..] } else { &self.arrays[..1] };
         let arrays = bind_arrays(gpu, &pipeline, read);
         clock.device_phase("trace", |encoder| {
-            dispatch_rays(encoder, &pipeline, &[&own, &arrays], search.ray_count, search.rays_per_lane);
+            dispatch_rays(encoder, &pipeline, &[&own, &arrays], job.rays, search.rays_per_lane);
         })
     }
 

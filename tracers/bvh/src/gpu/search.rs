@@ -5,8 +5,8 @@ use std::sync::Arc;
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    DevicePipelines, Gather, MemoryAccess, PipelinesOnDemand, RayCounts, SurfaceGeometry, TouchedBits, bind_arrays,
-    bind_group, dispatch_rays, uniform_buffer, untimed,
+    DevicePipelines, Gather, MemoryAccess, PipelinesOnDemand, RayCount, RayCounts, SurfaceGeometry, TouchedBits,
+    bind_arrays, bind_group, dispatch_rays, uniform_buffer, untimed,
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
@@ -167,8 +167,8 @@ impl Searches {
         }
         clock.device_phase("traverse", |encoder| {
             for (bindings, settings) in &dispatches {
-                let SearchSettings { ray_count, rays_per_lane, .. } = *settings;
-                dispatch_rays(encoder, &pipeline, &[bindings, &arrays], ray_count, rays_per_lane);
+                let rays = if deep { settings.ray_count.into() } else { RayCount::from(job.rays) };
+                dispatch_rays(encoder, &pipeline, &[bindings, &arrays], rays, settings.rays_per_lane);
             }
         })?;
         match job.trace_to {

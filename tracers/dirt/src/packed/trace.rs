@@ -95,9 +95,9 @@ impl Search for PackedStructure {
             let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
             vec![own, bind_arrays(gpu, pipeline, &self.arrays)]
         };
-        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let per_lane = search.rays_per_lane;
         let left = if counting.is_none() { Left::Told(&left) } else { Left::Any };
-        let rays = SearchedRays { count, per_lane, hits: hits_on_device, left };
+        let rays = SearchedRays { rays: job.rays, per_lane, hits: hits_on_device, left };
         self.pipelines.packed.trace.record(gpu, variant, rays, bind, clock)?;
         match job.trace_to {
             TraceTo::Hit => Ok(()),
