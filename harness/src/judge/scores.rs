@@ -1,10 +1,14 @@
 //! From classes to shares, curves and percentiles.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
-use tracebench_api::Hit;
+use tracebench_api::{Hit, Query, Status};
 
 use super::{Class, Judge, Rule, count_causes, true_counts};
-use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, OCCLUSION, Occlusion, Percentiles};
+use crate::results::{
+    AnyJudgement, ByRule, Classes, ClosestJudgement, OCCLUSION, Occlusion, Percentiles, StatusCounts,
+};
 use crate::statistics::wilson;
 use crate::truth::{Ray64, RayFrame, TrueHit, intersect};
 
@@ -35,6 +39,7 @@ impl Judge<'_> {
             position_error: Percentiles::of(&errors),
             surface_distance: Some(self.surface_distance(hits)),
             identity: self.identity(hits),
+            by_status: self.by_status(hits),
             causes: causes.into_iter().collect(),
             wrong_rays: self.wrong_rays(&wrong_tight, hits),
             classes: ByRule { tight, footprint },
@@ -51,9 +56,29 @@ impl Judge<'_> {
             occlusion: occlusion(&classes),
             ambiguous_rays,
             many_ambiguous_rays,
+            by_status: self.by_status(hits),
             causes: [(OCCLUSION.to_owned(), count_causes(&wrong))].into_iter().collect(),
             wrong_rays: self.wrong_rays(&wrong, hits),
         }
+    }
+
+    /// Judged rays by the status of their answers, and the right ones among them.
+    fn by_status(&self, hits: &[Hit]) -> BTreeMap<String, StatusCounts> {
+        let rules: &[Rule] = if self.query == Query::Any { &[Rule::HitMiss] } else { &Rule::ALL };
+        let right = |index: usize| rules.iter().map(move |rule| self.class(*rule, index, &hits[index]).is_right());
+        let found: Vec<(u32, Vec<bool>)> =
+            self.judged().map(|index| (hits[index].status, right(index).collect())).collect();
+        let mut counts: BTreeMap<String, StatusCounts> = BTreeMap::new();
+        for (status, right) in found {
+            let name = Status::from_code(status).unwrap_or(Status::Unwritten).name();
+            let of = counts.entry(name.to_owned()).or_default();
+            of.rays += 1;
+            for (rule, right) in rules.iter().zip(right) {
+                let rule = if self.query == Query::Any { OCCLUSION } else { rule.name() };
+                *of.right.entry(rule.to_owned()).or_default() += u64::from(right);
+            }
+        }
+        counts
     }
 
     fn count(&self, rays: impl ParallelIterator<Item = usize>, rule: Rule, hits: &[Hit]) -> Classes {

@@ -14,9 +14,9 @@ use crate::machine::Machine;
 use crate::report::{self, Report, ReportError, Tables};
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, InterleavedSetRecord, Judgement,
-    MemoryRecord, Occlusion, PerRule, Percentiles, PhaseRecord, PieceDistance, Provenance, Record, Row, SCHEMA,
-    SampleSchedule, SceneRecord, Skipped, StopReason, SurfaceDistance, Times, TraceRecord, TracerRecord, TrueCounts,
-    ViewpointRecord, WrongRay,
+    MemoryRecord, Occlusion, PerRule, Percentiles, PhaseRecord, PieceDistance, Provenance, Record, Row, Rule, SCHEMA,
+    SampleSchedule, SceneRecord, Skipped, StatusCounts, StopReason, SurfaceDistance, Times, TraceRecord, TracerRecord,
+    TrueCounts, ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -459,10 +459,16 @@ fn closest(quality: Quality) -> ClosestJudgement {
         },
         surface_distance: Some(surface_distance(quality)),
         identity: (quality.blur < 1e-6).then_some(1.0),
+        by_status: BTreeMap::new(),
         causes: BTreeMap::new(),
         wrong_rays: wrong_rays(quality),
     };
     score(&mut judgement);
+    let Classes { true_hit, true_miss, false_miss, early, late, .. } = judgement.classes.tight;
+    judgement.by_status = BTreeMap::from([
+        ("hit".to_owned(), status(true_hit + early + late, true_hit)),
+        ("miss".to_owned(), status(true_miss + false_miss, true_miss)),
+    ]);
     let counts = |wrong: u64| {
         let shares = [("hidden_layer", 2), ("off_view", 3), ("between_samples", 5), ("self_hit", 9)];
         shares.iter().map(|(cause, part)| ((*cause).to_owned(), wrong / part)).collect::<BTreeMap<_, _>>()
@@ -470,6 +476,11 @@ fn closest(quality: Quality) -> ClosestJudgement {
     let rules = [("tight", &judgement.classes.tight), ("footprint", &judgement.classes.footprint)];
     judgement.causes = rules.map(|(rule, classes)| (rule.to_owned(), counts(classes.false_miss + classes.late))).into();
     judgement
+}
+
+/// Of so many rays so many are right, by `tight`; by the other rules as many.
+fn status(rays: u64, right: u64) -> StatusCounts {
+    StatusCounts { rays, right: Rule::ALL.iter().map(|rule| (rule.name().to_owned(), right)).collect() }
 }
 
 fn surface_distance(quality: Quality) -> SurfaceDistance {
@@ -539,6 +550,7 @@ fn any(quality: Quality) -> AnyJudgement {
         },
         ambiguous_rays: TIES,
         many_ambiguous_rays: false,
+        by_status: BTreeMap::new(),
         causes: BTreeMap::from([("occlusion".to_owned(), BTreeMap::from([("off_view".to_owned(), false_free)]))]),
         wrong_rays: wrong_rays(quality),
     }

@@ -4,6 +4,7 @@
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
 mod beside;
+mod calibration;
 pub(crate) mod cells;
 pub(crate) mod chart;
 pub(crate) mod columns;

@@ -6,6 +6,7 @@ use itertools::Itertools as _;
 use tracebench_api::{AdapterInfo, Query, Rasterizer};
 
 use super::beside::{self, Place};
+use super::calibration;
 use super::cells::{self, TableRow, coverage, label, touched};
 use super::chart::{self, Drawing};
 use super::distances;
@@ -267,6 +268,7 @@ fn ray_set(place: Place<'_>) -> Document {
         .below("Causes of wrong answers:", causes(&rows))
         .below("Counters, from a variant that is not timed:", counters(&rows))
         .below("How rays ended:", statuses(&rows))
+        .and(calibration::tables(set.query, &rows))
 }
 
 /// What every table of traces begins with.

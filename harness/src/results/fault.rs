@@ -178,6 +178,10 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
         ],
     )?;
     let at = format!("{at}.judgement");
+    let by_status = trace.judgement.by_status();
+    let judged = by_status.values().map(|of| of.rays).fold(0, u64::saturating_add);
+    let right = by_status.values().all(|of| of.right.values().all(|right| *right <= of.rays));
+    all(&at, [("by_status", judged <= *count && right, "of no more rays than `count`, and no more of them right")])?;
     let is_any = trace.query == Query::Any;
     let (ambiguous_rays, wrong_rays) = match &trace.judgement {
         Judgement::Closest(judged) => {
@@ -350,6 +354,12 @@ mod tests {
             ),
             (&plain, &trace("/grown_samples"), json!(99), "`rows[0].traces[0].grown_samples` must be no more"),
             (&plain, &trace("/statuses"), json!({ "hit": 1 }), "`rows[0].traces[0].statuses` must be of as many rays"),
+            (
+                &plain,
+                &trace("/judgement/by_status"),
+                json!({ "hit": { "rays": 1, "right": { "tight": 2 } } }),
+                "`rows[0].traces[0].judgement.by_status` must be of no more rays",
+            ),
             (&plain, &trace("/per_trace_bytes"), json!(1), "`rows[0].traces[0].per_trace_bytes` must be the sum"),
             (&plain, &trace("/query"), json!("any"), "`rows[0].traces[0].judgement.classes` must be `occlusion`"),
             (

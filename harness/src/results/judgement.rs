@@ -112,6 +112,14 @@ impl Judgement {
         }
     }
 
+    /// Right answers by the status that the tracer gave; none in records from before they were counted.
+    pub fn by_status(&self) -> &BTreeMap<String, StatusCounts> {
+        match self {
+            Self::Closest(closest) => &closest.by_status,
+            Self::Any(any) => &any.by_status,
+        }
+    }
+
     /// Why rays are wrong.
     pub fn causes(&self) -> &Causes {
         match self {
@@ -151,6 +159,15 @@ pub const OCCLUSION: &str = "occlusion";
 /// Counts of causes by rule: rule -> cause -> rays.
 pub type Causes = BTreeMap<String, BTreeMap<String, u64>>;
 
+/// How often the answers of one status are right.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StatusCounts {
+    /// Judged rays that ended with it.
+    pub rays: u64,
+    /// Those that are right, by rule; of an any-hit set by `occlusion`.
+    pub right: BTreeMap<String, u64>,
+}
+
 /// The verdict on a closest-hit set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClosestJudgement {
@@ -179,6 +196,9 @@ pub struct ClosestJudgement {
     pub surface_distance: Option<SurfaceDistance>,
     /// Share of `tight` true hits that name the right triangle; `None` if the method names none.
     pub identity: Option<f64>,
+    /// Right answers by the status that the tracer gave; empty in records from before they were counted.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub by_status: BTreeMap<String, StatusCounts>,
     /// Why rays are wrong, under `tight` and `footprint`.
     pub causes: Causes,
     /// Wrong rays under `tight`: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
@@ -256,6 +276,9 @@ pub struct AnyJudgement {
     pub ambiguous_rays: u64,
     /// Whether they exceed 1e-3 of the set.
     pub many_ambiguous_rays: bool,
+    /// As in [`ClosestJudgement`].
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub by_status: BTreeMap<String, StatusCounts>,
     /// Why rays are wrong, under `occlusion`.
     pub causes: Causes,
     /// Wrong rays: of each cause at most four or as many as were asked for, evenly spaced; none of a control.

@@ -48,7 +48,7 @@ pub use interleaved_set::{
 pub(crate) use judgement::one_sided;
 pub use judgement::{
     Accuracy, AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Judgement, OCCLUSION, Occlusion, PerRule,
-    Percentiles, PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
+    Percentiles, PieceDistance, Rule, StatusCounts, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use launch::{

@@ -231,6 +231,38 @@ fn balanced_accuracy_of_one_kind() {
     }
 }
 
+/// Proves that answers are counted by their status, and which of them are right by each rule, as the answers were made; ambiguous rays of an
+/// any-hit set are in no count.
+#[test]
+fn answers_are_counted_by_status() {
+    let right = |of: &StatusCounts| of.right.iter().map(|(rule, rays)| (rule.clone(), *rays)).collect::<Vec<_>>();
+    let case = hundred(Query::Closest);
+    let mut hits = case.right();
+    // Three hits a little off, two far off, four misses that are hits, one of them by another status.
+    hits[..3].fill(hit(2.002));
+    hits[3..5].fill(hit(1.0));
+    hits[5..8].fill(miss());
+    hits[8] = Hit::miss(Status::StepCap);
+    let counts = case.closest(&hits).by_status;
+    assert_eq!(
+        counts.iter().map(|(name, of)| (name.as_str(), of.rays)).collect::<Vec<_>>(),
+        [("hit", 56), ("miss", 43), ("step_cap", 1)]
+    );
+    let of = |footprint, hit_miss, tight| {
+        [("footprint", footprint), ("hit_miss", hit_miss), ("tight", tight)].map(|(rule, rays)| (rule.to_owned(), rays))
+    };
+    assert_eq!(right(&counts["hit"]), of(54, 56, 51));
+    assert_eq!(right(&counts["miss"]), of(40, 40, 40));
+    assert_eq!(right(&counts["step_cap"]), of(0, 0, 0));
+    let mut case = hundred(Query::Any);
+    make_ambiguous(&mut case.answers[0], &[None]);
+    let mut hits = case.right();
+    hits[1] = miss();
+    let counts = case.any(&hits).by_status;
+    assert_eq!((counts["hit"].rays, right(&counts["hit"])), (58, vec![("occlusion".to_owned(), 58)]));
+    assert_eq!((counts["miss"].rays, right(&counts["miss"])), (41, vec![("occlusion".to_owned(), 40)]));
+}
+
 /// Proves that what is no answer is refused, with the number of such rays and the first of them: poison, a status that
 /// does not exist, a t that is no number, another count.
 #[test]

@@ -20,7 +20,7 @@ use tracebench_api::{
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
 use tracebench_harness::measure::controls::{Control, corrupted};
 use tracebench_harness::progress::Progress;
-use tracebench_harness::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, TrueCounts};
+use tracebench_harness::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, StatusCounts, TrueCounts};
 use tracebench_harness::truth::{Answer, Cache, TrueHit, Truth};
 use tracebench_tests::{rectangle, soup};
 
