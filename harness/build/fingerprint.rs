@@ -42,6 +42,17 @@ pub fn fingerprints(sources: &Sources<'_>) -> Result<BTreeMap<String, String>, S
             continue;
         }
         house.add_named("harness", &text, &mut hashed)?;
+        // Registrations that it makes its own of, whose rows are made by theirs, too.
+        let words: BTreeSet<&str> = text.split_whitespace().collect();
+        for other in (sources.list)("harness/src/registrations") {
+            if other != file && words.contains(other.trim_end_matches(".rs")) && text.contains("parts :") {
+                house.add_named(
+                    "harness",
+                    &house.code_of(&format!("harness/src/registrations/{other}"))?.text,
+                    &mut hashed,
+                )?;
+            }
+        }
         all.insert(file.trim_end_matches(".rs").to_owned(), hashed.digest());
     }
     Ok(all)
@@ -311,14 +322,14 @@ mod tests {
         for (name, hash) in &now {
             assert_eq!(crate::machine::fingerprint(name), Some(hash.as_str()), "{name}");
         }
-        let hierarchies = "bvh_cpu bvh_gpu ploc_gpu ray_query";
+        let hierarchies = "bvh_cpu bvh_gpu hybrid ploc_gpu ray_query";
         let all: Vec<&str> = now.keys().map(String::as_str).collect();
         let tracers = all.iter().copied().filter(|name| *name != "controls").collect::<Vec<_>>().join(" ");
         for (file, from, to, stale) in [
-            ("shaders/dirt/trace.wgsl", "open += 1u", "open += 2u", "dirt"),
+            ("shaders/dirt/trace.wgsl", "open += 1u", "open += 2u", "dirt hybrid"),
             ("shaders/dirt/trace.wgsl", "\n//", "\n// More.\n//", ""),
-            ("shaders/quadtree/walk.wgsl", "1u", "2u", "quadtree"),
-            ("shaders/shared/voxel_walk.wgsl", "1.0 - origin.x", "2.0 - origin.x", "voxel_abuffer voxel_octree"),
+            ("shaders/quadtree/walk.wgsl", "1u", "2u", "hybrid quadtree"),
+            ("shaders/shared/voxel_walk.wgsl", "1.0 - origin.x", "2.0 - origin.x", "hybrid voxel_abuffer voxel_octree"),
             ("shaders/shared/lanes.wgsl", "= 64u", "= 32u", &tracers),
             ("shaders/bvh/variants.txt", "<WIDE>", "[WIDE]", hierarchies),
             ("shaders/test/view_functions.wgsl", "clip: vec4", "clip: vec3", ""),

@@ -150,6 +150,17 @@ impl TracerRequest {
         Self { registration: *registration, preset, parameters, changed: Vec::new(), required: false, resolution: None }
     }
 
+    /// The same in every form that it stands in where all tracers do.
+    pub fn forms(registration: &Registration, preset: Preset) -> Vec<Self> {
+        let plain = Self::of(registration, preset);
+        let form = |settings: &&[(&str, &str)]| {
+            let mut request = plain.clone();
+            settings.iter().try_for_each(|(parameter, value)| request.set(parameter, value)).ok()?;
+            Some(request)
+        };
+        std::iter::once(plain.clone()).chain(registration.forms.iter().filter_map(form)).collect()
+    }
+
     /// The tracer's name.
     pub fn name(&self) -> &'static str {
         self.registration.describe().name
@@ -160,7 +171,20 @@ impl TracerRequest {
     /// # Errors
     /// As [`Parameters::set`]; nothing has changed then.
     pub fn set(&mut self, parameter: &str, value: &str) -> Result<(), ParameterError> {
-        self.parameters.set(&self.registration.describe().parameters, parameter, value)?;
+        let mut parameters = self.parameters.clone();
+        parameters.set(&self.registration.describe().parameters, parameter, value)?;
+        if let Some(other) = self.registration.with_part(parameter, value) {
+            // What is set of the part before is not the new one's.
+            let own = format!("{parameter}.");
+            let described = other.describe().parameters;
+            let kept = std::mem::replace(&mut parameters, Parameters::preset(&described, self.preset));
+            for (name, value) in kept.iter().filter(|(name, _)| !name.starts_with(&own)) {
+                parameters.set(&described, name, &value.to_string())?;
+            }
+            self.changed.retain(|name| !name.starts_with(&own));
+            self.registration = other;
+        }
+        self.parameters = parameters;
         if !self.changed.iter().any(|name| name == parameter) {
             self.changed.push(parameter.to_owned());
         }

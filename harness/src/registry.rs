@@ -17,6 +17,7 @@ pub const TRACERS: &[Registration] = &[
     registrations::screen_dda::REGISTRATION,
     registrations::height_field::REGISTRATION,
     registrations::mesh_warp::REGISTRATION,
+    registrations::hybrid::REGISTRATION,
 ];
 
 /// Finds a tracer by name.

@@ -159,9 +159,12 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
                 "--tracer '{part}': parameters are those of one tracer; name it in place of all"
             )));
         }
-        let chosen: Vec<_> = if required { vec![named(name)?] } else { TRACERS.iter().collect() };
-        for registration in chosen {
-            let mut request = TracerRequest { required, ..TracerRequest::of(registration, preset) };
+        let chosen: Vec<_> = match required {
+            true => vec![TracerRequest::of(named(name)?, preset)],
+            false => TRACERS.iter().flat_map(|each| TracerRequest::forms(each, preset)).collect(),
+        };
+        for request in chosen {
+            let mut request = TracerRequest { required, ..request };
             for setting in &own {
                 let (parameter, value) = setting.split_once('=').ok_or_else(|| {
                     CliError::Argument(format!("--tracer '{part}' must read NAME[:PRESET][@PARAMETER=VALUE...]"))
@@ -324,13 +327,13 @@ fn apply_all(settings: &[String], requests: &mut [TracerRequest]) -> Result<(), 
         if tracer == RAYS {
             continue;
         }
-        let registration = named(tracer)?;
+        named(tracer)?;
         let mut applied = false;
         for (request, own) in requests.iter_mut().zip(&own).filter(|(request, _)| request.name() == tracer) {
             applied = true;
             if own.iter().any(|name| name == parameter) {
                 // It is looked at all the same.
-                set(&mut TracerRequest::of(registration, request.preset), parameter, value)?;
+                set(&mut request.clone(), parameter, value)?;
             } else {
                 set(request, parameter, value)?;
             }
@@ -382,6 +385,40 @@ mod tests {
         }
     }
 
+    /// Proves that the parts of a tracer are named with their presets, that their parameters are set and read by the part's name, that another
+    /// part brings its own values, and that what cannot be a part, or is no parameter of the one that is there, is refused with what is.
+    #[test]
+    fn parts_have_their_parameters() {
+        let one = |text: &str| tracers(text, &[]).map(|mut requests| requests.remove(0));
+        let value = |request: &TracerRequest, name: &str| request.parameters.value(name).map(ToString::to_string);
+        let asked = one("hybrid@first=screen-dda:improved@then=ploc-gpu@first.stride=2@then.tree=lbvh").unwrap();
+        assert_eq!(asked.changed, ["first", "then", "first.stride", "then.tree"]);
+        for (name, expected) in
+            [("first", "screen-dda:improved"), ("first.stride", "2"), ("first.march", "cells"), ("then.tree", "lbvh")]
+        {
+            assert_eq!(value(&asked, name).as_deref(), Some(expected), "{name}");
+        }
+        let published = one("hybrid@first.stride=2@first=screen-dda").unwrap();
+        assert_eq!(published.changed, ["first"]);
+        assert_eq!(
+            (value(&published, "first.stride"), value(&published, "first.march")),
+            (Some("1".to_owned()), Some("pixels".to_owned()))
+        );
+        let other = one("hybrid@then.tree=lbvh@first=quadtree:improved").unwrap();
+        assert_eq!((value(&other, "first.march"), value(&other, "then.tree")), (None, Some("lbvh".to_owned())));
+        assert!(other.registration.describe().parameters.iter().any(|each| each.name == "first.levels"));
+        let plain = tracers("hybrid", &["hybrid.first.stride=3".to_owned()]).unwrap();
+        assert_eq!(value(&plain[0], "first.stride").as_deref(), Some("3"));
+        for part in ["first=bvh-cpu", "then=hybrid", "first=screen-dda:best"] {
+            let refused = message(one(&format!("hybrid@{part}")));
+            assert!(refused.contains("is not allowed: one of bvh-gpu, "), "{refused}");
+        }
+        assert!(message(one("hybrid@first=quadtree@first.stride=2")).contains("parameter of hybrid 'first.stride'"));
+        let named = |text: &str| one(&format!("hybrid@first={text}@then={text}:improved")).is_ok();
+        let on_device = TRACERS.iter().filter(|each| each.needs_device() && !each.has_parts());
+        assert_eq!(on_device.filter(|each| named(each.name())).count(), TRACERS.len() - 2);
+    }
+
     /// A lens is focused by itself, or no nearer than at the near plane.
     #[test]
     fn lenses_are_focused_where_something_is() {
@@ -409,16 +446,17 @@ mod tests {
             (whole, whole + 1)
         );
         let all = tracers("all:improved", &[]).unwrap();
-        assert!(all.len() == TRACERS.len() && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
+        let count = TRACERS.len() + TRACERS.iter().map(|each| each.forms.len()).sum::<usize>();
+        assert!(all.len() == count && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
         // Forms that differ in nothing stand once.
         let both = tracers("all,all:improved", &[]).unwrap();
         let same = |one: &TracerRequest| {
             both.iter().filter(|other| other.name() == one.name() && other.parameters == one.parameters).count()
         };
-        assert!(both.len() > TRACERS.len() && both.len() < 2 * TRACERS.len() && both.iter().all(|one| same(one) == 1));
+        assert!(both.len() > count && both.len() < 2 * count && both.iter().all(|one| same(one) == 1));
         let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();
         assert!(set.iter().all(|each| each.required && build(each) == "fastest"));
-        assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());
+        assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), count);
     }
 
     /// A tracer may be in a list several times with values of its own, which `--set` does not touch and the label

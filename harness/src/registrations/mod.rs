@@ -7,6 +7,7 @@ pub(crate) mod dirt;
 pub mod expectation;
 pub(crate) mod fragment_abuffer;
 pub(crate) mod height_field;
+pub(crate) mod hybrid;
 pub(crate) mod mesh_warp;
 pub(crate) mod ploc_gpu;
 pub(crate) mod quadtree;
@@ -99,6 +100,27 @@ pub struct Improved {
     pub expectations: &'static [Column],
 }
 
+/// A tracer that another one is made of.
+#[derive(Clone, Copy)]
+pub struct Part {
+    /// Which.
+    pub registration: &'static Registration,
+    /// From which preset its parameters are where nothing is set.
+    pub preset: Preset,
+}
+
+/// What a tracer is made of, and how it follows from that.
+#[derive(Clone, Copy)]
+pub struct Parts {
+    pub(crate) of: [Part; 2],
+    /// The parameters that name them; before a full stop they stand in the names of the parts' own.
+    pub(crate) names: &'static [&'static str; 2],
+    /// The part of a value of theirs.
+    pub(crate) find: fn(&str) -> Option<Part>,
+    pub(crate) describe: fn(&[Part; 2]) -> TracerDescription,
+    pub(crate) create: fn(&[Part; 2], Device) -> Result<Box<dyn Tracer>, TracerError>,
+}
+
 /// A tracer's registration.
 #[derive(Clone, Copy)]
 pub struct Registration {
@@ -132,6 +154,10 @@ pub struct Registration {
     pub excluded_from_fronts: &'static [&'static str],
     /// What only matters with certain values of other parameters.
     pub matters: &'static [Matters],
+    /// What it is made of, if of others.
+    pub(crate) parts: Option<Parts>,
+    /// Settings by which it stands once more where all tracers do.
+    pub forms: &'static [&'static [(&'static str, &'static str)]],
     /// How its structures are made smaller.
     pub shrinks: &'static [Shrink],
     /// What its counters of what was touched stand for.
@@ -156,6 +182,8 @@ impl Registration {
             excluded_from_fronts: &[],
             formerly: None,
             matters: &[],
+            parts: None,
+            forms: &[],
             shrinks: &[],
             touches: &[],
         }
@@ -202,7 +230,24 @@ impl Registration {
     /// # Errors
     /// Why there is no device, if it needs one; [`TracerError::Unavailable`] if this machine cannot run it.
     pub fn create(&self, device: &Device) -> Result<Box<dyn Tracer>, TracerError> {
-        (self.create)(device.clone())
+        match self.parts {
+            Some(Parts { of, create, .. }) => create(&of, device.clone()),
+            None => (self.create)(device.clone()),
+        }
+    }
+
+    /// The same tracer where one of its parts is that of a value of the parameter that names it; none for other parameters and values.
+    pub fn with_part(&self, parameter: &str, value: &str) -> Option<Self> {
+        let mut parts = self.parts?;
+        let place = parts.names.iter().position(|name| *name == parameter)?;
+        parts.of[place] = (parts.find)(value)?;
+        let one_origin = parts.of.iter().any(|part| part.registration.one_origin);
+        Some(Self { parts: Some(parts), one_origin, ..*self })
+    }
+
+    /// Whether its parameters name others that it is made of.
+    pub fn has_parts(&self) -> bool {
+        self.parts.is_some()
     }
 
     /// Whether its hits are those of the triangles themselves, rather than of samples.
@@ -212,7 +257,10 @@ impl Registration {
 
     /// What it is and takes.
     pub fn describe(&self) -> TracerDescription {
-        (self.description)()
+        match self.parts {
+            Some(Parts { of, describe, .. }) => describe(&of),
+            None => (self.description)(),
+        }
     }
 
     /// Its name.

@@ -104,7 +104,10 @@ fn wrong(rules: &[Rule], ledger: &MemoryReport, allocated: &[Allocation]) -> Vec
     let mut wrong = Vec::new();
     for each in allocated {
         let tells = |bytes: u64| bytes == each.size || rules.iter().any(|rule| rule.holds(bytes, each));
-        match open.iter().position(|entry| entry.name == each.name && tells(entry.allocated_bytes)) {
+        // What one of two parts holds stands behind the part's name.
+        let named =
+            |name: &str| ["", "first: ", "then: "].iter().any(|part| name.strip_prefix(part) == Some(&each.name));
+        match open.iter().position(|entry| named(&entry.name) && tells(entry.allocated_bytes)) {
             Some(index) => {
                 open.remove(index);
             }

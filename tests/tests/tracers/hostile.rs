@@ -16,6 +16,8 @@ pub struct Subject {
     pub name: &'static str,
     pub residency: Residency,
     pub names_primitives: bool,
+    /// Whether some hits may name a triangle though others do not.
+    pub has_parts: bool,
     /// Whether it serves rays from one point alone.
     pub one_origin: bool,
     pub preset: Preset,
@@ -38,6 +40,7 @@ impl Subject {
             name: description.name,
             residency: description.residency,
             names_primitives: description.names_primitives,
+            has_parts: registration.has_parts(),
             one_origin: registration.one_origin,
             preset,
             parameters,

@@ -8,6 +8,7 @@ mod drawn_in_compute;
 mod drivers;
 mod ends;
 mod hostile;
+mod hybrid;
 mod launch;
 mod scales;
 mod shared_edges;
