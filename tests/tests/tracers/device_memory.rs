@@ -97,24 +97,37 @@ impl Rule {
     }
 }
 
+/// Gives an allocation a part of a ledger that may stand for it, where others can give theirs up for another one (Kuhn's matching).
+fn match_one(allocation: usize, fits: &[Vec<usize>], owners: &mut [Option<usize>], asked: &mut [bool]) -> bool {
+    fits[allocation].iter().any(|part| {
+        if std::mem::replace(&mut asked[*part], true) {
+            return false;
+        }
+        let free = owners[*part].is_none_or(|owner| match_one(owner, fits, owners, asked));
+        if free {
+            owners[*part] = Some(allocation);
+        }
+        free
+    })
+}
+
 /// What is wrong with a ledger: allocations that no part tells, and parts that no allocation stands behind.
 fn wrong(rules: &[Rule], ledger: &MemoryReport, allocated: &[Allocation]) -> Vec<String> {
-    let on_device = ledger.structure.iter().filter(|entry| !entry.name.starts_with(ON_HOST));
-    let mut open: Vec<_> = on_device.collect();
-    let mut wrong = Vec::new();
-    for each in allocated {
-        let tells = |bytes: u64| bytes == each.size || rules.iter().any(|rule| rule.holds(bytes, each));
-        // What one of two parts holds stands behind the part's name.
-        let named =
-            |name: &str| ["", "first: ", "then: "].iter().any(|part| name.strip_prefix(part) == Some(&each.name));
-        match open.iter().position(|entry| named(&entry.name) && tells(entry.allocated_bytes)) {
-            Some(index) => {
-                open.remove(index);
-            }
-            None => wrong.push(format!("nothing tells {each:?}")),
-        }
-    }
-    wrong.extend(open.iter().map(|entry| format!("nothing is allocated for {entry:?}")));
+    let parts: Vec<_> = ledger.structure.iter().filter(|entry| !entry.name.starts_with(ON_HOST)).collect();
+    let may_be = |each: &Allocation, part: &MemoryEntry| {
+        // What one of two tracers holds stands behind the name of its place.
+        let named = ["", "first: ", "then: "].iter().any(|of| part.name.strip_prefix(of) == Some(&each.name));
+        let bytes = part.allocated_bytes;
+        named && (bytes == each.size || rules.iter().any(|rule| rule.holds(bytes, each)))
+    };
+    let fitting = |each: &Allocation| (0..parts.len()).filter(|part| may_be(each, parts[*part])).collect();
+    let fits: Vec<Vec<usize>> = allocated.iter().map(fitting).collect();
+    let mut owners = vec![None; parts.len()];
+    let mut is_open = |index: &usize| !match_one(*index, &fits, &mut owners, &mut vec![false; parts.len()]);
+    let open: Vec<usize> = (0..allocated.len()).filter(|index| is_open(index)).collect();
+    let mut wrong: Vec<_> = open.iter().map(|index| format!("nothing tells {:?}", allocated[*index])).collect();
+    let empty = parts.iter().zip(&owners).filter(|(_, owner)| owner.is_none());
+    wrong.extend(empty.map(|(part, _)| format!("nothing is allocated for {part:?}")));
     wrong
 }
 

@@ -119,7 +119,7 @@ impl Structure for HybridStructure {
     ) -> Result<(), TracerError> {
         let shared = Rc::clone(&self.shared);
         if let Some(reason) = shared.parts[1].description.no_refit.filter(|_| update == Update::Refit) {
-            return Err(of_part(&shared.parts[1], TracerError::Unsupported(reason.to_owned())));
+            return Err(TracerError::Unsupported(reason.to_owned()));
         }
         for place in [1, 0] {
             // What has no refit is built anew beside one that has.
