@@ -159,12 +159,10 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
                 "--tracer '{part}': parameters are those of one tracer; name it in place of all"
             )));
         }
-        let chosen: Vec<_> = match required {
-            true => vec![TracerRequest::of(named(name)?, preset)],
-            false => TRACERS.iter().flat_map(|each| TracerRequest::forms(each, preset)).collect(),
-        };
-        for request in chosen {
-            let mut request = TracerRequest { required, ..request };
+        let all = TRACERS.iter().flat_map(|each| TracerRequest::forms(each, preset));
+        let chosen = if required { vec![TracerRequest::of(named(name)?, preset)] } else { all.collect() };
+        for mut request in chosen {
+            request.required = required;
             for setting in &own {
                 let (parameter, value) = setting.split_once('=').ok_or_else(|| {
                     CliError::Argument(format!("--tracer '{part}' must read NAME[:PRESET][@PARAMETER=VALUE...]"))
@@ -415,7 +413,7 @@ mod tests {
         }
         assert!(message(one("hybrid@first=quadtree@first.stride=2")).contains("parameter of hybrid 'first.stride'"));
         let named = |text: &str| one(&format!("hybrid@first={text}@then={text}:improved")).is_ok();
-        let on_device = TRACERS.iter().filter(|each| each.needs_device() && !each.has_parts());
+        let on_device = TRACERS.iter().filter(|each| each.needs_device() && each.parts.is_none());
         assert_eq!(on_device.filter(|each| named(each.name())).count(), TRACERS.len() - 2);
     }
 

@@ -64,21 +64,21 @@ impl Judge<'_> {
 
     /// Judged rays by the status of their answers, and the right ones among them.
     fn by_status(&self, hits: &[Hit]) -> BTreeMap<String, StatusCounts> {
-        let rules: &[Rule] = if self.query == Query::Any { &[Rule::HitMiss] } else { &Rule::ALL };
-        let right = |index: usize| rules.iter().map(move |rule| self.class(*rule, index, &hits[index]).is_right());
-        let found: Vec<(u32, Vec<bool>)> =
-            self.judged().map(|index| (hits[index].status, right(index).collect())).collect();
-        let mut counts: BTreeMap<String, StatusCounts> = BTreeMap::new();
-        for (status, right) in found {
-            let name = Status::from_code(status).unwrap_or(Status::Unwritten).name();
-            let of = counts.entry(name.to_owned()).or_default();
-            of.rays += 1;
-            for (rule, right) in rules.iter().zip(right) {
-                let rule = if self.query == Query::Any { OCCLUSION } else { rule.name() };
-                *of.right.entry(rule.to_owned()).or_default() += u64::from(right);
-            }
+        let is_any = self.query == Query::Any;
+        let rules: &[Rule] = if is_any { &[Rule::HitMiss] } else { &Rule::ALL };
+        let rights = |index: usize| rules.iter().map(move |rule| self.class(*rule, index, &hits[index]).is_right());
+        let found: Vec<Vec<bool>> = self.judged().map(|index| rights(index).collect()).collect();
+        let mut counts = vec![(0, vec![0; rules.len()]); Status::ALL.len()];
+        for (index, rights) in self.judged().collect::<Vec<_>>().into_iter().zip(found) {
+            let (rays, right) = &mut counts[hits[index].status as usize];
+            *rays += 1;
+            right.iter_mut().zip(rights).for_each(|(count, is_right)| *count += u64::from(is_right));
         }
-        counts
+        let name = |rule: &Rule| if is_any { OCCLUSION } else { rule.name() }.to_owned();
+        let of =
+            |(rays, right): (u64, Vec<u64>)| StatusCounts { rays, right: rules.iter().map(name).zip(right).collect() };
+        let named = Status::ALL.iter().zip(counts).filter(|(_, (rays, _))| *rays > 0);
+        named.map(|(status, counts)| (status.name().to_owned(), of(counts))).collect()
     }
 
     fn count(&self, rays: impl ParallelIterator<Item = usize>, rule: Rule, hits: &[Hit]) -> Classes {

@@ -5,10 +5,9 @@ use std::sync::LazyLock;
 use tracebench_api::{Preset, Tracer, TracerDescription, TracerError};
 use tracebench_hybrid::{Hybrid, Part as Described, description};
 
-use super::{Device, Family, Part, Parts, Registration};
 use super::{
-    bvh_gpu, dirt, fragment_abuffer, height_field, mesh_warp, ploc_gpu, quadtree, ray_query, screen_dda, voxel_abuffer,
-    voxel_octree,
+    Device, Family, Part, Parts, Registration, bvh_gpu, dirt, fragment_abuffer, height_field, mesh_warp, ploc_gpu,
+    quadtree, ray_query, screen_dda, voxel_abuffer, voxel_octree,
 };
 
 pub(crate) const REGISTRATION: Registration = Registration {
@@ -20,8 +19,8 @@ pub(crate) const REGISTRATION: Registration = Registration {
 
 /// A march in screen space, and where it found nothing the scene itself.
 const DEFAULT: [Part; 2] = [
-    Part { registration: &screen_dda::REGISTRATION, preset: Preset::Improved },
-    Part { registration: &ploc_gpu::REGISTRATION, preset: Preset::Published },
+    Part { registration: &screen_dda::REGISTRATION, preset: Preset::Improved, name: "screen-dda:improved" },
+    Part { registration: &ploc_gpu::REGISTRATION, preset: Preset::Published, name: "ploc-gpu" },
 ];
 
 /// What a hybrid can be made of: every tracer on the device.
@@ -40,32 +39,25 @@ const ALL: &[&Registration] = &[
 ];
 
 /// Their names, alone and with each preset.
-static NAMES: LazyLock<Vec<(&str, Part)>> = LazyLock::new(|| {
-    let of = |registration: &'static Registration| {
-        let name = registration.name();
-        let preset = |preset: Preset| (&*format!("{name}:{}", preset.name()).leak(), Part { registration, preset });
-        let plain = (name, Part { registration, preset: Preset::Published });
-        std::iter::once(plain).chain(Preset::ALL.map(preset))
-    };
-    ALL.iter().flat_map(|registration| of(registration)).collect()
+static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    let of = |each: &&Registration| ["", ":published", ":improved"].map(|end| &*format!("{}{end}", each.name()).leak());
+    ALL.iter().flat_map(of).collect()
 });
 
-static LIST: LazyLock<Vec<&str>> = LazyLock::new(|| NAMES.iter().map(|(name, _)| *name).collect());
-
 fn find(name: &str) -> Option<Part> {
-    NAMES.iter().find(|(known, _)| *known == name).map(|(_, part)| *part)
+    let name = *NAMES.iter().find(|known| **known == name)?;
+    let (tracer, preset) = name.split_once(':').unwrap_or((name, Preset::Published.name()));
+    let registration = *ALL.iter().find(|each| each.name() == tracer)?;
+    let preset = Preset::ALL.into_iter().find(|each| each.name() == preset)?;
+    Some(Part { registration, preset, name })
 }
 
-fn described(part: &Part) -> Described {
-    let same = |(_, other): &&(&str, Part)| {
-        other.preset == part.preset && other.registration.name() == part.registration.name()
-    };
-    let name = NAMES.iter().find(same).map_or("", |(name, _)| name);
-    Described { description: part.registration.describe(), preset: part.preset, name }
+fn described(&Part { registration, preset, name }: &Part) -> Described {
+    Described { description: registration.describe(), preset, name }
 }
 
 fn describe(parts: &[Part; 2]) -> TracerDescription {
-    description(&parts.each_ref().map(described), &LIST)
+    description(&parts.each_ref().map(described), &NAMES)
 }
 
 fn create(parts: &[Part; 2], device: Device) -> Result<Box<dyn Tracer>, TracerError> {

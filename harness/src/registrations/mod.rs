@@ -107,6 +107,8 @@ pub struct Part {
     pub registration: &'static Registration,
     /// From which preset its parameters are where nothing is set.
     pub preset: Preset,
+    /// The value of a parameter that names it.
+    pub name: &'static str,
 }
 
 /// What a tracer is made of, and how it follows from that.
@@ -155,7 +157,7 @@ pub struct Registration {
     /// What only matters with certain values of other parameters.
     pub matters: &'static [Matters],
     /// What it is made of, if of others.
-    pub(crate) parts: Option<Parts>,
+    pub parts: Option<Parts>,
     /// Settings by which it stands once more where all tracers do.
     pub forms: &'static [&'static [(&'static str, &'static str)]],
     /// How its structures are made smaller.
@@ -243,11 +245,6 @@ impl Registration {
         parts.of[place] = (parts.find)(value)?;
         let one_origin = parts.of.iter().any(|part| part.registration.one_origin);
         Some(Self { parts: Some(parts), one_origin, ..*self })
-    }
-
-    /// Whether its parameters name others that it is made of.
-    pub fn has_parts(&self) -> bool {
-        self.parts.is_some()
     }
 
     /// Whether its hits are those of the triangles themselves, rather than of samples.

@@ -16,11 +16,8 @@ use crate::statistics::wilson;
 /// Sets of statuses that are trusted, as `trust` names them, without those of no status and of all.
 const TRUSTED: [(&str, &[Status]); 2] = [("hit", &[Status::Hit]), ("hit+miss", &[Status::Hit, Status::Miss])];
 
-/// The parameters that name a tracer's parts, and what stands before their phases.
-const PARTS: [&str; 2] = ["first", "then"];
-
-/// What counts the rays that went to the second part.
-const HANDED_OVER: &str = "rays_handed_over";
+/// The parameter that names a tracer's second part, and what stands before its phases and parameters.
+const SECOND: &str = "then";
 
 /// Answers by status.
 type ByStatus<'a> = &'a BTreeMap<String, StatusCounts>;
@@ -81,13 +78,12 @@ fn trusts(rows: &[(TableRow<'_>, &str, ByStatus<'_>)]) -> Table {
 /// Of tracers that hand rays over: what each part took, and what a ray takes that is handed over, beside one of the rays that the second
 /// part alone was asked.
 fn parts(query: Query, rows: &[TableRow<'_>]) -> Table {
-    let handed = |(.., trace): &TableRow<'_>| trace.counters.get(HANDED_OVER).map(|counter| counter.total);
-    let of_part = |times: &Times, part: &str| {
-        let phases = times.phases.iter().filter(|phase| phase.name.split(": ").next() == Some(part));
+    let handed = |(.., trace): &TableRow<'_>| trace.counters.get("rays_handed_over").map(|counter| counter.total);
+    let of_second = |times: &Times| {
+        let phases = times.phases.iter().filter(|phase| phase.name.split(": ").next() == Some(SECOND));
         let taken: Vec<f64> = phases.map(|phase| phase.median_ms).collect();
         (!taken.is_empty()).then(|| taken.iter().sum::<f64>())
     };
-    let time = move |part: &'static str| move |(.., trace): &TableRow<'_>| Cell::number(of_part(&trace.times, part), 4);
     let ns = |ms: Option<f64>, rays: u64| Cell::number(ms.filter(|_| rays > 0).map(|ms| ms * 1e6 / rays as f64), 4);
     let alone = |(_, row, trace): &TableRow<'_>| {
         let (.., other) = rows.iter().find(|(_, other, _)| is_second(row, other))?;
@@ -95,26 +91,21 @@ fn parts(query: Query, rows: &[TableRow<'_>]) -> Table {
             .then(|| other.times.median_ms * 1e6 / other.count.max(1) as f64)
     };
     let own: Vec<TableRow<'_>> = rows.iter().filter(|row| handed(row).is_some()).copied().collect();
-    let [first, then] = PARTS;
     Sheet::new()
         .name(cells::own)
         .own_clock(cells::own)
         .taken(TRACE_TIME, cells::own)
         .right(query, cells::own)
         .column("rays handed over", move |row| share(handed(row).unwrap_or(0), row.2.count))
-        .column("first (ms) ↓", time(first))
-        .column("hand over (ms) ↓", time("hand over"))
-        .column("then (ms) ↓", time(then))
-        .column("join (ms) ↓", time("join"))
-        .column("a ray handed over (ns) ↓", move |row| ns(of_part(&row.2.times, then), handed(row).unwrap_or(0)))
+        .phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times))
+        .column("a ray handed over (ns) ↓", move |row| ns(of_second(&row.2.times), handed(row).unwrap_or(0)))
         .column("a ray asked of it alone (ns) ↓", move |row| Cell::number(alone(row), 4))
         .table(&own)
 }
 
 /// Whether a row is of the second part of another one's tracer, with the same parameters.
 fn is_second(row: &Row, other: &Row) -> bool {
-    let [_, then] = PARTS;
-    let of = |name: &str| row.tracer.parameters.get(&format!("{then}.{name}")).or(row.tracer.parameters.get(name));
-    let named = row.tracer.parameters.get(then).and_then(|name| name.as_str()?.split(':').next());
+    let of = |name: &str| row.tracer.parameters.get(&format!("{SECOND}.{name}")).or(row.tracer.parameters.get(name));
+    let named = row.tracer.parameters.get(SECOND).and_then(|name| name.as_str()?.split(':').next());
     named == Some(&other.tracer.name) && other.tracer.parameters.iter().all(|(name, value)| of(name) == Some(value))
 }

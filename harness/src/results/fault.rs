@@ -167,6 +167,9 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
     let timed = !times.samples_ms.is_empty() && *mrays_per_s > 0.0;
     let kept = trace.per_trace.iter().map(|part| part.allocated_bytes).fold(0, u64::saturating_add);
     let statuses = trace.statuses.values().copied().fold(0, u64::saturating_add);
+    let by_status = trace.judgement.by_status();
+    let judged = by_status.values().map(|of| of.rays).fold(0, u64::saturating_add);
+    let right = by_status.values().all(|of| of.right.values().all(|right| *right <= of.rays));
     all(
         at,
         [
@@ -175,13 +178,10 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
             ("per_trace_bytes", trace.per_trace.is_empty() || trace.per_trace_bytes == kept, "the sum of `per_trace`"),
             ("same_as_first", trace.same_as_first.is_none_or(|rays| rays <= *count), "no more rays than `count`"),
             ("statuses", trace.statuses.is_empty() || statuses == *count, "of as many rays as `count`"),
+            ("judgement.by_status", judged <= *count && right, "of no more rays than there are"),
         ],
     )?;
     let at = format!("{at}.judgement");
-    let by_status = trace.judgement.by_status();
-    let judged = by_status.values().map(|of| of.rays).fold(0, u64::saturating_add);
-    let right = by_status.values().all(|of| of.right.values().all(|right| *right <= of.rays));
-    all(&at, [("by_status", judged <= *count && right, "of no more rays than `count`, and no more of them right")])?;
     let is_any = trace.query == Query::Any;
     let (ambiguous_rays, wrong_rays) = match &trace.judgement {
         Judgement::Closest(judged) => {

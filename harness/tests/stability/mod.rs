@@ -302,7 +302,7 @@ fn every_case_is_stated() {
     let shares = ExpectedShares::stated().unwrap();
     assert_eq!(shares.text(), include_str!("../../src/studies/stability/expected.csv"));
     // Answers of what is made of others are theirs.
-    for tracer in TRACERS.iter().filter(|each| !each.has_parts()) {
+    for tracer in TRACERS.iter().filter(|each| each.parts.is_none()) {
         let parameters = |preset| Parameters::preset(&tracer.describe().parameters, preset);
         let differ = parameters(Preset::Published) != parameters(Preset::Improved);
         assert!(differ || tracer.improved.is_none(), "{}", tracer.name());

@@ -40,7 +40,7 @@ impl Subject {
             name: description.name,
             residency: description.residency,
             names_primitives: description.names_primitives,
-            has_parts: registration.has_parts(),
+            has_parts: registration.parts.is_some(),
             one_origin: registration.one_origin,
             preset,
             parameters,

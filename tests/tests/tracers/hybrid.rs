@@ -41,7 +41,7 @@ struct Alone {
 
 /// Every tracer of the device by its improved preset.
 fn parts(gpu: &Arc<Gpu>) -> Vec<Alone> {
-    let on_device = TRACERS.iter().filter(|each| each.needs_device() && !each.has_parts());
+    let on_device = TRACERS.iter().filter(|each| each.needs_device() && each.parts.is_none());
     let of = |registration: &Registration| {
         let description = registration.describe();
         let tracer = available(description.name, registration.create(&Ok(Arc::clone(gpu))), gpu)?;

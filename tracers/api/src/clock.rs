@@ -102,7 +102,6 @@ pub struct PhaseClock<'gpu> {
     encoder: Option<wgpu::CommandEncoder>,
     /// What stands before the names of phases.
     part: String,
-    /// Whether it has timed parts of a method.
     has_parts: bool,
     device_phases: Vec<String>,
     host_phases: Vec<PhaseSample>,
@@ -176,19 +175,11 @@ impl<'gpu> PhaseClock<'gpu> {
         match (self.encoder.take(), self.host_span) {
             (Some(encoder), Some((begin, _))) if self.has_parts => {
                 let gpu = self.gpu.ok_or_else(|| TracerError::Failed("a device phase without a device".to_owned()))?;
-                let submitted = (self.now)();
-                gpu.queue.submit([encoder.finish()]);
-                gpu.wait()?;
-                let end = (self.now)();
-                let ms = |from: Instant| (end - from).as_secs_f64() * 1e3;
-                self.host_phases.push(PhaseSample { name: "on the device".to_owned(), duration_ms: ms(submitted) });
-                Ok(Timing {
-                    clock: ClockKind::Host,
-                    total_ms: ms(begin),
-                    phases: self.host_phases,
-                    submit_to_done_ms: None,
-                    grown: false,
-                })
+                let on_device = finish_on_device(gpu, encoder, &self.device_phases, self.now)?;
+                let duration_ms = on_device.submit_to_done_ms.unwrap_or(on_device.total_ms);
+                self.host_phases.push(PhaseSample { name: "on the device".to_owned(), duration_ms });
+                let (clock, total_ms) = (ClockKind::Host, ((self.now)() - begin).as_secs_f64() * 1e3);
+                Ok(Timing { clock, total_ms, phases: self.host_phases, submit_to_done_ms: None, grown: false })
             }
             (Some(_), Some(_)) => Err(TracerError::Failed("host and device phases in one sample".to_owned())),
             (None, None) => Err(TracerError::Failed("nothing was timed".to_owned())),

@@ -336,7 +336,7 @@ impl Pipelines {
                 dispatch_linear(encoder, self.reorder(layout), bindings, *count, WORKGROUP_SIZE);
             }
             for LongPieces { list, pipeline, bindings } in &prepared.reorder_long {
-                dispatch_indirect(encoder, pipeline, &[bindings], list);
+                dispatch_indirect(encoder, pipeline, &[bindings], list, 0);
             }
         })?;
         if parts.pyramid.is_some() {

@@ -100,10 +100,8 @@ fn chosen(
 pub(crate) fn interned(name: String) -> &'static str {
     static NAMES: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = names.get(name.as_str()) {
-        return known;
-    }
-    let lasting: &str = Box::leak(name.into_boxed_str());
+    let known = names.get(name.as_str()).copied();
+    let lasting = known.unwrap_or_else(|| name.leak());
     names.insert(lasting);
     lasting
 }

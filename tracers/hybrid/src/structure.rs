@@ -31,17 +31,15 @@ struct HybridStructure {
     frame: View,
 }
 
-/// An error of a part, which says of which.
+/// An error of a part; where the device has no room for it, it says for which.
 fn of_part(part: &Part, error: TracerError) -> TracerError {
     let told = |reason: String| format!("{} in a hybrid: {reason}", part.name);
     match error {
         TracerError::Unavailable(reason) => TracerError::Unavailable(told(reason)),
-        TracerError::Unsupported(reason) => TracerError::Unsupported(told(reason)),
-        TracerError::Failed(reason) => TracerError::Failed(told(reason)),
         TracerError::TooLarge { name, bytes, limit, hint } => {
             TracerError::TooLarge { name: told(name), bytes, limit, hint }
         }
-        TracerError::Parameter(error) => TracerError::Parameter(error),
+        other => other,
     }
 }
 
@@ -60,11 +58,6 @@ impl Hybrid {
 }
 
 impl Shared {
-    /// The own parameters of a part.
-    fn told(&self, place: usize, all: &Parameters) -> Result<Parameters, TracerError> {
-        Ok(self.parts[place].parameters(place, all)?)
-    }
-
     /// Does something to a part, whose phases and errors tell that they are its.
     fn with_part<R>(
         &self,
@@ -86,7 +79,7 @@ impl Tracer for Hybrid {
     ) -> Result<Box<dyn Structure>, TracerError> {
         HybridParameters::of(parameters)?;
         let mut build = |place: usize| {
-            let told = self.shared.told(place, parameters)?;
+            let told = self.shared.parts[place].parameters(place, parameters)?;
             let work = |clock: &mut PhaseClock<'_>| self.tracers[place].build(geometry, viewpoint, &told, clock);
             self.shared.with_part(place, clock, work)
         };
@@ -99,9 +92,9 @@ impl Tracer for Hybrid {
 impl HybridStructure {
     /// The part that is asked how it sees the scene: the first, unless it holds the scene itself.
     fn seeing(&self, parameters: &Parameters) -> Result<(&dyn Structure, Parameters), TracerError> {
-        let (first, told) = (&*self.structures[0], self.shared.told(0, parameters)?);
+        let (first, told) = (&*self.structures[0], self.shared.parts[0].parameters(0, parameters)?);
         if first.samplings(&told)?.is_empty() && first.voxels(&told)?.is_none() {
-            return Ok((&*self.structures[1], self.shared.told(1, parameters)?));
+            return Ok((&*self.structures[1], self.shared.parts[1].parameters(1, parameters)?));
         }
         Ok((first, told))
     }
@@ -118,14 +111,11 @@ impl Structure for HybridStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let shared = Rc::clone(&self.shared);
-        if let Some(reason) = shared.parts[1].description.no_refit.filter(|_| update == Update::Refit) {
-            return Err(TracerError::Unsupported(reason.to_owned()));
-        }
         for place in [1, 0] {
-            // What has no refit is built anew beside one that has.
-            let served = shared.parts[place].description.serves(update).is_ok();
-            let own = if served { update } else { Update::Rebuild };
-            let told = shared.told(place, parameters)?;
+            // A first without a refit is built anew beside a second that has one.
+            let is_served = place == 1 || shared.parts[place].description.serves(update).is_ok();
+            let own = if is_served { update } else { Update::Rebuild };
+            let told = shared.parts[place].parameters(place, parameters)?;
             let structure = &mut self.structures[place];
             shared.with_part(place, clock, |clock| structure.update(own, geometry, viewpoint, &told, clock))?;
         }
@@ -143,7 +133,8 @@ impl Structure for HybridStructure {
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let (shared, handover) = (&*self.shared, &self.shared.handover);
         let own = HybridParameters::of(job.parameters)?;
-        let [first, then] = [shared.told(0, job.parameters)?, shared.told(1, job.parameters)?];
+        let [first, then] =
+            [shared.parts[0].parameters(0, job.parameters)?, shared.parts[1].parameters(1, job.parameters)?];
         let asked = TraceJob { parameters: &first, ..job };
         shared.with_part(0, clock, |clock| self.structures[0].trace(asked, hits, clock))?;
         let mut handed = handover.record(&self.frame, &own, &job, hits, clock)?;
@@ -155,7 +146,7 @@ impl Structure for HybridStructure {
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let (shared, handover) = (&*self.shared, &self.shared.handover);
         let own = HybridParameters::of(job.parameters)?;
-        let told = [shared.told(0, job.parameters)?, shared.told(1, job.parameters)?];
+        let told = [shared.parts[0].parameters(0, job.parameters)?, shared.parts[1].parameters(1, job.parameters)?];
         let of = |place: usize, rays, hits: &mut HitBuffer| {
             let counted =
                 self.structures[place].trace_counted(TraceJob { parameters: &told[place], rays, ..job }, hits);
@@ -189,7 +180,7 @@ impl Structure for HybridStructure {
     fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let mut entries = handover::memory(job.trace_to, job.rays.host.len());
         for place in [0, 1] {
-            let told = self.shared.told(place, job.parameters)?;
+            let told = self.shared.parts[place].parameters(place, job.parameters)?;
             entries
                 .extend(prefixed(place, self.structures[place].trace_memory(TraceJob { parameters: &told, ..job })?));
         }

@@ -31,58 +31,28 @@ pub fn rays_within_rounds(asked: u32, max_rounds_of_ray: u64) -> u32 {
     u64::from(asked).min(MAX_ROUNDS / max_rounds_of_ray.max(1)).max(1) as u32
 }
 
-/// How many rays a search answers.
-#[derive(Clone, Copy, Debug)]
-pub enum RayCount<'a> {
-    /// So many.
-    Known(u32),
-    /// Only the device knows: for 1 to [`MAX_RAYS_PER_LANE`] rays a lane three words each, the workgroups of [`LANES_OF_WORKGROUP`]
-    /// lanes, folded as all dispatches are.
-    OnDevice(&'a Buffer),
-}
-
-impl From<u32> for RayCount<'_> {
-    fn from(count: u32) -> Self {
-        Self::Known(count)
-    }
-}
-
-impl<'a> From<&'a RayBuffer> for RayCount<'a> {
-    fn from(rays: &'a RayBuffer) -> Self {
-        rays.workgroups().map_or(Self::Known(rays.host.len() as u32), Self::OnDevice)
-    }
-}
-
-/// Records a dispatch that answers so many rays.
-pub fn dispatch_rays<'a>(
+/// Records a dispatch that answers rays: all of them or, where only the device knows how many are asked, by the three words that its buffer
+/// has for so many rays a lane (from 1 to [`MAX_RAYS_PER_LANE`]): workgroups of [`LANES_OF_WORKGROUP`] lanes, folded as all dispatches are.
+pub fn dispatch_rays(
     encoder: &mut CommandEncoder,
     pipeline: &ComputePipeline,
     bindings: &[&BindGroup],
-    rays: impl Into<RayCount<'a>>,
+    rays: &RayBuffer,
     rays_per_lane: u32,
 ) {
-    match rays.into() {
-        RayCount::Known(count) => {
-            dispatch_linear_groups(encoder, pipeline, bindings, count.div_ceil(rays_per_lane), LANES_OF_WORKGROUP);
+    match rays.workgroups() {
+        None => {
+            let lanes = (rays.host.len() as u32).div_ceil(rays_per_lane);
+            dispatch_linear_groups(encoder, pipeline, bindings, lanes, LANES_OF_WORKGROUP);
         }
-        RayCount::OnDevice(workgroups) => {
-            dispatch_indirect_at(encoder, pipeline, bindings, workgroups, 12 * u64::from(rays_per_lane - 1));
+        Some(workgroups) => {
+            dispatch_indirect(encoder, pipeline, bindings, workgroups, 12 * u64::from(rays_per_lane - 1));
         }
     }
 }
 
-/// Records a dispatch of as many workgroups as a buffer says when it runs: three words.
+/// Records a dispatch of as many workgroups as three words at a byte of a buffer say when it runs.
 pub fn dispatch_indirect(
-    encoder: &mut CommandEncoder,
-    pipeline: &ComputePipeline,
-    bindings: &[&BindGroup],
-    workgroups: &Buffer,
-) {
-    dispatch_indirect_at(encoder, pipeline, bindings, workgroups, 0);
-}
-
-/// The same with the words at a byte of the buffer.
-fn dispatch_indirect_at(
     encoder: &mut CommandEncoder,
     pipeline: &ComputePipeline,
     bindings: &[&BindGroup],
@@ -167,7 +137,7 @@ impl SearchPipelines {
             if let Some((second, groups)) = &second {
                 let groups: Vec<_> = groups.iter().collect();
                 match left {
-                    Left::Told(workgroups) => dispatch_indirect(encoder, second, &groups, workgroups),
+                    Left::Told(workgroups) => dispatch_indirect(encoder, second, &groups, workgroups, 0),
                     Left::CutOff | Left::Any => dispatch_rays(encoder, second, &groups, rays, 1),
                 }
             }
@@ -195,7 +165,7 @@ mod tests {
         let bindings = [asked.as_entire_binding(), times.as_entire_binding()];
         let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &bindings);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        dispatch_rays(&mut encoder, &pipeline, &[&bindings], count, launched);
+        dispatch_linear_groups(&mut encoder, &pipeline, &[&bindings], count.div_ceil(launched), LANES_OF_WORKGROUP);
         gpu.queue.submit([encoder.finish()]);
         bytemuck::pod_collect_to_vec(&gpu.read(&times, bytes).unwrap())
     }

@@ -6,8 +6,8 @@ use tracebench_api::{Gpu, PhaseClock, Timing, TracerError};
 use tracebench_shaders::shared::LaunchProbe as Shader;
 
 use crate::{
-    MemoryAccess, ReadSlot, Readable, bind_arrays, bind_group, compute_pipeline, dispatch_rays, storage_buffer,
-    uniform_buffer,
+    LANES_OF_WORKGROUP, MemoryAccess, ReadSlot, Readable, bind_arrays, bind_group, compute_pipeline,
+    dispatch_linear_groups, storage_buffer, uniform_buffer,
 };
 pub use tracebench_shaders::shared::ProbeSettings;
 
@@ -89,7 +89,8 @@ impl Kernel {
         let own = bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &resources);
         let mut clock = PhaseClock::new(Some(gpu));
         clock.device_phase("probe", |encoder| {
-            dispatch_rays(encoder, &self.pipeline, &[&own, &self.arrays], count, rays_per_lane);
+            let lanes = count.div_ceil(rays_per_lane);
+            dispatch_linear_groups(encoder, &self.pipeline, &[&own, &self.arrays], lanes, LANES_OF_WORKGROUP);
         })?;
         let timing = clock.finish()?;
         let believed = Timing::plausible(std::slice::from_ref(&timing));

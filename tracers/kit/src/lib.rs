@@ -57,8 +57,8 @@ pub use gather::{Gather, SurfaceGeometry};
 pub use growable_buffer::{GrowableBuffer, grow, storage_buffer, uniform_buffer};
 pub use image_method::{ImageMethod, ImageMethodPipelines, ImageStructure};
 pub use lanes::{
-    LANES_OF_WORKGROUP, Left, MAX_RAYS_PER_LANE, RayCount, SearchPipelines, SearchedRays, dispatch_indirect,
-    dispatch_rays, rays_per_lane_parameter, rays_within_rounds,
+    LANES_OF_WORKGROUP, Left, MAX_RAYS_PER_LANE, SearchPipelines, SearchedRays, dispatch_indirect, dispatch_rays,
+    rays_per_lane_parameter, rays_within_rounds,
 };
 pub use launch_probe::{MANY_RAYS, ProbeTimes, probe_launch};
 pub use memory_access::{

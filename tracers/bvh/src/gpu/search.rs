@@ -5,8 +5,8 @@ use std::sync::Arc;
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TraceTo, TracerError};
 use tracebench_kit::{
-    DevicePipelines, Gather, MemoryAccess, PipelinesOnDemand, RayCount, RayCounts, SurfaceGeometry, TouchedBits,
-    bind_arrays, bind_group, dispatch_rays, uniform_buffer, untimed,
+    DevicePipelines, Gather, LANES_OF_WORKGROUP, MemoryAccess, PipelinesOnDemand, RayCounts, SurfaceGeometry,
+    TouchedBits, bind_arrays, bind_group, dispatch_linear_groups, dispatch_rays, uniform_buffer, untimed,
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
@@ -167,8 +167,13 @@ impl Searches {
         }
         clock.device_phase("traverse", |encoder| {
             for (bindings, settings) in &dispatches {
-                let rays = if deep { settings.ray_count.into() } else { RayCount::from(job.rays) };
-                dispatch_rays(encoder, &pipeline, &[bindings, &arrays], rays, settings.rays_per_lane);
+                let groups = [bindings, &arrays];
+                match deep {
+                    false => dispatch_rays(encoder, &pipeline, &groups, job.rays, settings.rays_per_lane),
+                    true => {
+                        dispatch_linear_groups(encoder, &pipeline, &groups, settings.ray_count, LANES_OF_WORKGROUP);
+                    }
+                }
             }
         })?;
         match job.trace_to {
