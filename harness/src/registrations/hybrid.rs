@@ -20,7 +20,7 @@ pub(crate) const REGISTRATION: Registration = Registration {
 /// A march in screen space, and where it found nothing the scene itself.
 const DEFAULT: [Part; 2] = [
     Part { registration: &screen_dda::REGISTRATION, preset: Preset::Improved, name: "screen-dda:improved" },
-    Part { registration: &ploc_gpu::REGISTRATION, preset: Preset::Published, name: "ploc-gpu" },
+    Part { registration: &ploc_gpu::REGISTRATION, preset: Preset::Published, name: "ploc-gpu:published" },
 ];
 
 /// What a hybrid can be made of: every tracer on the device.
