@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The wider set: the tests that take too long for every run, each of which says so by `#[ignore = "wider set: ..."]`; and all tests on
-# a second Vulkan driver, where tests/swiftshader.sh can unpack one. Runs them and writes down what came of it, by which commit and on
+# a second Vulkan driver, where tests/swiftshader.sh can unpack one; and the recipes for notebooks. Runs them and writes down what came of it, by which commit and on
 # which machine: tests/wider.sh [FILE]. DRIVERS=own or DRIVERS=second runs a half of it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -49,6 +49,10 @@ for driver in $drivers; do
             ;;
     esac
 done
+
+# By the program that was built with the tests.
+tests/notebooks.sh > "$log" 2>&1 || outcome=FAILED
+tail -n 1 "$log" >> "$found"
 
 {
     echo "outcome: $outcome"

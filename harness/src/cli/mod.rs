@@ -79,7 +79,8 @@ enum Verb {
     Compare(compare::CompareArguments),
     /// Join the shards of a run that was spread over machines by --shard.
     Merge(merge::MergeArguments),
-    /// Make every file that derives from a run.json, of whatever verb, again; or one page of several records.
+    /// Make every file that derives from a run.json, of whatever verb, again; or one page, or one table, of several records; or check what
+    /// is handed in.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
     Picture(arguments::PictureArguments),
@@ -125,6 +126,13 @@ impl CliError {
         };
         ExitCode::from(if argument { 2 } else { 1 })
     }
+}
+
+/// What is wrong with the words of a command line, without the program's name and a folder to write to.
+fn parses(words: &str) -> Result<(), String> {
+    let line = ["tracebench"].into_iter().chain(words.split(' '));
+    let wrong = CommandLine::try_parse_from(line).err();
+    wrong.map_or(Ok(()), |error| Err(error.to_string().lines().next().unwrap_or_default().replace("error: ", "")))
 }
 
 /// Runs the program.

@@ -25,6 +25,13 @@ pub(super) struct ReportArguments {
     /// then.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    /// Write the rows of all records here as one table, for notebooks: comma-separated values, units in the column names. Nothing else is
+    /// made then.
+    #[arg(long, value_name = "FILE", conflicts_with = "html")]
+    csv: Option<PathBuf>,
+    /// Write nothing: say of each folder what speaks against handing it in (RULES.md), and what to do.
+    #[arg(long, conflicts_with_all = ["html", "csv"])]
+    check: bool,
 }
 
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
@@ -35,6 +42,16 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
 }
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {
+    if arguments.check {
+        return check(&arguments.paths, progress);
+    }
+    if let Some(file) = &arguments.csv {
+        let (folder, name) = OutputFolder::of_file(file)?;
+        folder.check(&name)?;
+        let table = reports::flat_table(&arguments.paths, |path| progress.say(path))?;
+        folder.write(&name, &table)?;
+        return print(&format!("{}\n", file.display()));
+    }
     let Some(file) = &arguments.html else {
         for path in &arguments.paths {
             let record = reports::read_run(path)?;
@@ -46,6 +63,25 @@ pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result
     };
     let (folder, name) = OutputFolder::of_file(file)?;
     super::page::write(file, (&folder, &name), &arguments.paths, Vec::new(), progress)
+}
+
+/// Says of folders that they are as RULES.md asks, or fails with what is not.
+fn check(folders: &[PathBuf], progress: &Progress) -> Result<(), CliError> {
+    let user = ["USER", "LOGNAME", "USERNAME"].iter().find_map(|name| std::env::var(name).ok());
+    // Whoever works as root, or in a container, has a name that is a word of records.
+    let user = user.filter(|user| user.len() > 2 && user != "root");
+    let mut faults = String::new();
+    for path in folders {
+        let folder = if path.is_file() { Path::new(".").join(folder_of(path)) } else { path.clone() };
+        progress.say(&format!("checking {}", folder.display()));
+        for fault in reports::check(&folder, tables::of_run, super::parses, user.as_deref())? {
+            faults += &format!("\nerror: {}: {fault}", folder.display());
+        }
+    }
+    match faults.strip_prefix("\nerror: ") {
+        None => print("as RULES.md asks: commit, preset, controls, command, list, derived files, no path or user\n"),
+        Some(faults) => Err(CliError::Other(faults.to_owned())),
+    }
 }
 
 /// The folder that a file is in, or that is one.

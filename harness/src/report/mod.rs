@@ -7,6 +7,7 @@ mod beside;
 mod calibration;
 pub(crate) mod cells;
 pub(crate) mod chart;
+mod check;
 pub(crate) mod columns;
 mod compare;
 mod distances;
@@ -15,6 +16,7 @@ mod error;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
+mod flat;
 pub(crate) mod format;
 pub(crate) mod group;
 mod html;
@@ -47,9 +49,11 @@ use liblzma::bufread::XzDecoder;
 use serde::Deserialize;
 
 pub use chart::without_images;
+pub use check::check;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::EXPLAIN_PAGE;
+pub use flat::flat_table;
 pub use html::{Claims, MAX_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;

@@ -5,6 +5,7 @@ mod compare;
 mod far;
 mod faults;
 mod fronts;
+mod handing_in;
 mod inputs;
 mod ownership;
 mod pages;

@@ -19,6 +19,7 @@ mod tests;
 mod write;
 
 pub use again::quoted;
+pub(super) use read::called;
 
 use super::document::Document;
 use super::pareto::{Shown, shown};

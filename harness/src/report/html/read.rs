@@ -59,7 +59,7 @@ pub(super) fn read(records: &[(String, Record)]) -> Records<'_> {
 }
 
 /// What records are called: the folder of each, with as many of those around it as tell it from the others'.
-pub(super) fn called(paths: &[&str]) -> Vec<String> {
+pub(in crate::report) fn called(paths: &[&str]) -> Vec<String> {
     let folders: Vec<Vec<&str>> = paths.iter().map(|path| folder(path)).collect();
     let tail = |parts: &[&str], count: usize| parts[parts.len().saturating_sub(count)..].join("/");
     let name = |(path, own): (&&str, &Vec<&str>)| {

@@ -308,7 +308,7 @@ fn records_of_the_same_are_told_apart() {
 /// Proves that a record is called as its folder is, with as much of the way there as tells it from others, and never by the whole way.
 #[test]
 fn records_are_called_as_their_folders() {
-    let called = |paths: &[&str]| read::called(paths);
+    let called = |paths: &[&str]| called(paths);
     assert_eq!(called(&["/home/x/fronts", "./need/run.json.xz", "run.json"]), ["fronts", "need", "run.json"]);
     assert_eq!(called(&["/r/a/table1/", "/r/b/table1", "/r/b/table2"]), ["a/table1", "b/table1", "table2"]);
     assert_eq!(called(&["/r/a", "/r/a", "."]), ["a", "a", "."]);
