@@ -7,6 +7,7 @@ mod frames;
 mod grids;
 mod many;
 mod probe;
+mod reported;
 mod screen;
 mod sketch;
 mod small;
@@ -125,6 +126,10 @@ pub const CASES: &[Case] = &[
     screen::TOWARDS_CAMERA,
     screen::FOREGROUND_IN_CELL,
     screen::LONG_RAYS,
+    screen::AWAY_FROM_CAMERA,
+    reported::HALF_RESOLUTION,
+    reported::FIELD_OF_VIEW,
+    reported::OFF_ORIGIN,
 ];
 
 /// Finds a case by name.

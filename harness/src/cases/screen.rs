@@ -61,15 +61,37 @@ pub(super) const TOWARDS_CAMERA: Case = Case {
 };
 
 fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
-    let centre = dvec3(0.0, 0.0, -2.5);
-    let (along, upward) = (dvec3(0.5, 0.0, -0.5), DVec3::Y * 0.7);
+    near_line_of_sight(angle, 1.0, [2.5, 1.0, 1.2], CaseRays::new(31))
+}
+
+pub(super) const AWAY_FROM_CAMERA: Case = Case {
+    name: "away-from-camera",
+    summary: "rays from before onto a slanted plate, ever closer to the view's axis through their hit: all of their way lies on a few pixels",
+    difficulty_parameter: turned("angle to the view axis", "degrees", &[20.0, 5.0, 1.0, 0.3, 0.1]),
+    make: |angle| near_line_of_sight(angle, -1.0, [4.0, 0.5, 2.5], CaseRays::new(34)),
+    feature: Feature::of("hit within a fifth of a degree of the way from the eye", 0.5, |probe, index| {
+        probe.point(index).is_some_and(|point| {
+            let from_eye = (point - probe.view().eye).normalize();
+            probe.ray(index).direction.dot(from_eye) > 0.2_f64.to_radians().cos()
+        })
+    }),
+};
+
+/// Rays onto a plate at a depth, of a size and from so far away, at an angle to the way to the eye (`sign` 1) or from it (-1).
+fn near_line_of_sight(
+    angle: f64,
+    sign: f64,
+    [depth, size, length]: [f64; 3],
+    mut rays_made: CaseRays,
+) -> Result<Setup, TracerError> {
+    let centre = dvec3(0.0, 0.0, -depth);
+    let (along, upward) = (dvec3(0.5, 0.0, -0.5) * size, DVec3::Y * (0.7 * size));
     let mut sketch = Sketch::default();
     sketch.widen([dvec3(-1.5, -1.5, -4.5), dvec3(1.5, 1.5, -0.5)]);
     sketch.plate_around(centre, along, upward);
     // Finer than the reference pixels that hits are judged by.
     let stage = sketch.seen_by(Camera { frame: [1024, 1024], ..Camera::default() })?;
     let (aside, towards) = angle.to_radians().sin_cos();
-    let mut rays_made = CaseRays::new(31);
     for index in 0..RAYS {
         // A third passes beside the plate.
         let across = if index % 3 == 0 { 1.3 + 0.2 * rays_made.unit() } else { 0.9 * rays_made.signed() };
@@ -78,7 +100,7 @@ fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
         let to_eye = (stage.view.eye - target).normalize();
         let up = DVec3::Y * if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
         let square = (up - to_eye * up.dot(to_eye)).normalize();
-        rays_made.towards(target - (to_eye * towards + square * aside) * 1.2, target);
+        rays_made.towards(target - (to_eye * (sign * towards) + square * aside) * length, target);
     }
     Ok(stage.with(rays_made, Query::Closest))
 }

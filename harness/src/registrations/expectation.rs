@@ -104,8 +104,10 @@ const AT_DEPTHS: Expectation = few(
 );
 const CLIPPED: &str = "what is nearer than near is clipped away when depth is rasterized";
 const ASIDE_SOURCE: &str = "VVP16, section 2, on surfaces outside of the primary view";
+pub(super) const FROM_EYE: &str =
+    "what is projected is taken from the eye first: how far both are from the coordinates' origin changes nothing";
 const SHORT_IMAGE: &str =
-    "the closer a ray passes by the eye the shorter its image, at last one pixel, whose depth it hits";
+    "the closer a ray runs to a line of sight the shorter its image, at last one pixel, whose depth it hits";
 
 /// Of methods that store depths at the pixel centres of one view.
 pub(super) const OF_ONE_VIEW: Column = &[
@@ -113,13 +115,14 @@ pub(super) const OF_ONE_VIEW: Column = &[
     ("huge-triangle", of_huge_triangles(&AT_DEPTHS)),
     ("wide-frame", of_plates_along_rows(&AT_DEPTHS)),
     ("wires leaves crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("coarse-frame half-resolution", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("off-origin", few(Rule::HitMiss, FROM_EYE)),
     ("eye-on-surface eye-at-vertex before-near", fails(Rule::Footprint, CLIPPED, NEAR_SOURCE)),
     ("needles", few(Rule::Footprint, TILED)),
     ("plane-through-eye", fails(Rule::Footprint, ASIDE, ASIDE_SOURCE)),
     ("cube-borders", fails(Rule::HitMiss, LEAVE_VIEW, ASIDE_SOURCE)),
     ("face-cell-borders", few(Rule::HitMiss, NO_BORDERS)),
-    ("through-view-centre", few(Rule::HitMiss, SHORT_IMAGE)),
+    ("through-view-centre away-from-camera", few(Rule::HitMiss, SHORT_IMAGE)),
 ];
 
 impl Expectation {

@@ -1,7 +1,9 @@
 //! The registration of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that
 //! are planes, in every pixel that a triangle touches.
 
-use super::expectation::{BETWEEN, SAMPLES_SOURCE, TILED, fails, few, of_huge_triangles, of_plates_along_rows};
+use super::expectation::{
+    BETWEEN, FROM_EYE, SAMPLES_SOURCE, TILED, fails, few, of_huge_triangles, of_plates_along_rows,
+};
 use super::table::{Values, improved, published, switches};
 use super::{Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Table, Touch};
 
@@ -83,7 +85,7 @@ const EXPECTATIONS: Column = &[
     ("edge-on plane-through-eye", fails(Rule::HitMiss, SLIPPED, SLIPPED_SOURCE)),
     ("voxel-stack", fails(Rule::Footprint, SLIPPED, SLIPPED_SOURCE)),
     ("wires leaves crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("coarse-frame half-resolution", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
     ("close-sheets", fails(Rule::HitMiss, NEAR_START, NEAR_START_SOURCE)),
     ("open-mesh depth-range flat-tile long-scene", AT_SAMPLES),
     ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
@@ -103,9 +105,10 @@ const EXPECTATIONS: Column = &[
     ("through-view-centre", few(Rule::HitMiss, FEW_STEPS)),
     ("thin-walls", few(Rule::HitMiss, BOTH_SIDES)),
     ("behind-foreground", few(Rule::HitMiss, NO_THICKNESS)),
-    ("towards-camera", few(Rule::Footprint, HALF_A_PIXEL)),
+    ("towards-camera away-from-camera field-of-view", few(Rule::Footprint, HALF_A_PIXEL)),
     ("foreground-in-cell", few(Rule::HitMiss, BESIDE)),
     ("long-rays", fails(Rule::HitMiss, APART, APART_SOURCE)),
+    ("off-origin", few(Rule::Footprint, FROM_EYE)),
 ];
 
 /// A plane ends with its part of a pixel, not with its triangle.
@@ -125,7 +128,7 @@ const IN_FACES: &str =
 /// What is expected of planes in every pixel that a triangle touches.
 const IMPROVED_EXPECTATIONS: Column = &[
     ("leaves voxel-stack long-scene cube-borders wide-frame", few(Rule::Footprint, AT_RIMS)),
-    ("crowded-pixel eye-at-vertex coarse-frame", fails(Rule::Footprint, COARSE, SAMPLES_SOURCE)),
+    ("crowded-pixel eye-at-vertex coarse-frame half-resolution", fails(Rule::Footprint, COARSE, SAMPLES_SOURCE)),
     ("before-near", few(Rule::Footprint, IN_FACES)),
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &BEYOND_EDGES }),
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &BEYOND_EDGES }),

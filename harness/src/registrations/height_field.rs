@@ -66,6 +66,7 @@ const EXPECTATIONS: Column = &[
     ("thin-walls", few(Rule::HitMiss, "a wall is solid as far as the view reaches, however thin it is")),
     ("foreground-in-cell", few(Rule::HitMiss, OPENED)),
     ("long-rays", few(Rule::HitMiss, NO_BUDGET)),
+    ("field-of-view", fails(Rule::HitMiss, SOLID, SOLID_SOURCE)),
 ];
 
 const AT_ONCE: &str = "a hit is placed where the ray is as deep as the top of its pixel: nothing is halved";

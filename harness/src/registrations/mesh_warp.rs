@@ -21,6 +21,7 @@ const NARROW: &str =
 const NARROW_SOURCE: &str = "WKP15, section 5.1: a regular grid mesh with one vertex a pixel, without refinement";
 const BORDERS: &str = "eye rays through pixel centres meet the vertices there; wrong are rays at borders of what is seen before nothing, where the \
                        mesh ends, and of the frame, to which its outermost vertices are moved";
+const AT_BORDERS: &str = "at a border the mesh ends or spans from one surface to another, within a pixel, which is as large as the frame is coarse";
 const AT_VERTICES: Expectation = few(Rule::Footprint, BORDERS);
 const THIN_PLATES: Expectation = fails(Rule::Footprint, NARROW, NARROW_SOURCE);
 
@@ -33,7 +34,9 @@ const EXPECTATIONS: Column = &[
         "cube-borders cell-borders face-cell-borders through-view-centre stacked-layers crowded-pixel thin-walls",
         SEVERAL,
     ),
-    ("behind-foreground towards-camera foreground-in-cell long-rays", SEVERAL),
+    ("behind-foreground towards-camera foreground-in-cell long-rays away-from-camera", SEVERAL),
+    ("field-of-view off-origin", SEVERAL),
+    ("half-resolution", fails(Rule::Footprint, AT_BORDERS, NARROW_SOURCE)),
     ("wires leaves", fails(Rule::HitMiss, NARROW, NARROW_SOURCE)),
     ("coarse-frame", THIN_PLATES),
     ("wide-frame", of_plates_along_rows(&THIN_PLATES)),

@@ -73,6 +73,10 @@ const BESIDE: &str = "samples lie on the ray's own pixels, which do not show wha
 const BUDGET: &str = "a ray that crosses more pixels than its budget of samples, 4096 here, is given up";
 const BUDGET_SOURCE: &str = "WKP15, section 5.1, on the steps that a march is held to";
 
+const STRETCHED: &str = "a hit is placed at a step, and the closer a ray runs to the view's axis the farther apart in depth are steps, a pixel from \
+                         each other";
+const AS_MANY: &str = "a ray's way has as many pixels, whatever angle the view spans";
+
 const EXPECTATIONS: Column = &[
     ("edge-on", fails(Rule::HitMiss, EDGE_ON, EDGE_ON_SOURCE)),
     ("close-sheets eye-inside-object stacked-layers", fails(Rule::Footprint, BEHIND, LAYERS_SOURCE)),
@@ -85,6 +89,8 @@ const EXPECTATIONS: Column = &[
     ("towards-camera", fails(Rule::Footprint, FROM_BEHIND, STEP_SOURCE)),
     ("foreground-in-cell", few(Rule::HitMiss, BESIDE)),
     ("long-rays", fails(Rule::HitMiss, BUDGET, BUDGET_SOURCE)),
+    ("away-from-camera", fails(Rule::Footprint, STRETCHED, STEP_SOURCE)),
+    ("field-of-view", few(Rule::HitMiss, AS_MANY)),
 ];
 
 const PASSES: &str = "a ray must come to a surface from before: one that starts behind what its own pixel shows, or comes out from behind it, passes, \
@@ -93,9 +99,12 @@ const OF_DEPTH: &str =
     "thickness is a share of the depth: what starts a thousandth of the diagonal off is told from what it leaves";
 const IN_CELLS: &str = "its budget of steps is of cells, and cells without anything in the way are crossed at once";
 
+const AT_DEPTH: &str = "a hit is placed at the depth that its pixel shows, however far apart steps are";
+
 /// Of the improved form: cells in the place of samples, thickness by depth, no hits from behind.
 const IMPROVED_EXPECTATIONS: Column = &[
     ("edge-on behind-foreground", fails(Rule::HitMiss, PASSES, LAYERS_SOURCE)),
     ("secondary-depth-ratio", few(Rule::Footprint, OF_DEPTH)),
     ("long-rays", few(Rule::HitMiss, IN_CELLS)),
+    ("away-from-camera", few(Rule::Footprint, AT_DEPTH)),
 ];

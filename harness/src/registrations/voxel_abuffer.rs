@@ -80,12 +80,12 @@ const NO_LONG_WAY: &str =
 const EXPECTATIONS: Column = &[
     ("edge-on", few(Rule::Footprint, FROM_BEFORE)),
     ("wires", fails(Rule::HitMiss, BETWEEN, COARSE_SOURCE)),
-    ("leaves voxel-stack cube-borders crowded-pixel", fails(Rule::HitMiss, OPEN, OPEN_SOURCE)),
+    ("leaves voxel-stack cube-borders crowded-pixel field-of-view", fails(Rule::HitMiss, OPEN, OPEN_SOURCE)),
     ("open-mesh", fails(Rule::Footprint, OPEN, OPEN_SOURCE)),
     ("close-sheets eye-on-surface before-near", fails(Rule::HitMiss, NEAR_START, NEAR_START_SOURCE)),
     ("huge-triangle eye-at-vertex depth-range secondary-depth-ratio", fails(Rule::HitMiss, COARSE, COARSE_SOURCE)),
     // The images have two and a half texels by a pixel of the faces, and these go with the frame.
-    ("coarse-frame wide-frame", fails(Rule::HitMiss, COARSE, COARSE_SOURCE)),
+    ("coarse-frame wide-frame half-resolution", fails(Rule::HitMiss, COARSE, COARSE_SOURCE)),
     ("eye-inside-object long-scene", fails(Rule::Footprint, COARSE, COARSE_SOURCE)),
     ("needles", few(Rule::Footprint, TILED)),
     // As many layers at every texel are more than what one binding, or WebGPU's limits, hold.
@@ -94,11 +94,11 @@ const EXPECTATIONS: Column = &[
     ("stacked-layers", Expectation::Refusable { from: 32.0, otherwise: &PLATES }),
     ("plane-through-eye", few(Rule::Footprint, NO_EYE)),
     ("surface-starts", few(Rule::HitMiss, SAME_PART)),
-    ("cell-borders face-cell-borders flat-tile", PLATES),
+    ("cell-borders face-cell-borders flat-tile off-origin", PLATES),
     ("through-view-centre", few(Rule::HitMiss, HOLES)),
     ("thin-walls", few(Rule::HitMiss, BOTH_SEEN)),
     ("behind-foreground", few(Rule::HitMiss, IN_ONE_AS_IN_ALL)),
-    ("towards-camera", few(Rule::HitMiss, OPEN_PLATE)),
+    ("towards-camera away-from-camera", few(Rule::HitMiss, OPEN_PLATE)),
     ("foreground-in-cell", few(Rule::HitMiss, NO_VIEWS)),
     ("long-rays", few(Rule::HitMiss, NO_LONG_WAY)),
 ];
@@ -114,7 +114,7 @@ const TINY: &str = "what is smaller than a texel is an octagon of the texel's ow
 const IMPROVED_EXPECTATIONS: Column = &[
     ("leaves wide-frame", few(Rule::Footprint, TINY)),
     ("huge-triangle eye-at-vertex before-near depth-range", fails(Rule::Footprint, COARSE, COARSE_SOURCE)),
-    ("secondary-depth-ratio coarse-frame crowded-pixel", fails(Rule::Footprint, COARSE, COARSE_SOURCE)),
+    ("secondary-depth-ratio coarse-frame crowded-pixel half-resolution", fails(Rule::Footprint, COARSE, COARSE_SOURCE)),
     ("coplanar-copies", Expectation::Refusable { from: 16.0, otherwise: &OF_PLANES }),
     ("equal-triangles stacked-layers", Expectation::Refusable { from: 256.0, otherwise: &OF_PLANES }),
     // By a scale an axis thin walls of a long scene face along it, and cover its whole images.

@@ -113,7 +113,7 @@ fn beyond_rounding(found: &Stability) -> Vec<String> {
         "eye-at-vertex, voxel-abuffer:improved: ",
     ];
     // What a mesh ends beside, or is too narrow for it, its pixels show all the same.
-    let of_meshes = ["wires", "leaves", "coarse-frame", "wide-frame", "open-mesh", "depth-range"];
+    let of_meshes = ["wires", "leaves", "coarse-frame", "wide-frame", "open-mesh", "depth-range", "half-resolution"];
     let of_meshes = of_meshes.map(|case| format!("{case}, mesh-warp: "));
     cells.retain(|cell| !of_meshes.iter().any(|known| cell.starts_with(known.as_str())));
     cells.retain(|cell| !known.iter().chain(&without_evidence).any(|known| cell.starts_with(known)));
