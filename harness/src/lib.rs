@@ -3,6 +3,7 @@
 pub mod cases;
 pub mod cli;
 pub mod compare;
+pub mod exchange;
 pub mod files;
 pub mod hash;
 pub mod judge;

@@ -280,7 +280,7 @@ impl Plan {
             "scenes": self.scenes.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "files_sha256": self.scenes.iter().map(file).collect::<Vec<_>>(),
             "tracers": self.tracers.iter().map(tracer).collect::<Vec<_>>(),
-            "rays": self.ray_sets.iter().map(|set| set.name).collect::<Vec<_>>(),
+            "rays": self.ray_sets.iter().map(RaySet::describe).collect::<Vec<_>>(),
             "ray_parameters": self.ray_parameters,
             "preset": name, "ray_image": ray_image, "frame": frame, "face": face, "sampling": sampling,
             "scene_scale": scene_scale, "view": format!("{:?}", self.view), "time_s": self.time_s, "seed": self.seed,

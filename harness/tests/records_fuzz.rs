@@ -11,6 +11,9 @@
 //! Seeds are records of small runs of every verb, with fewer rows than they had.
 #![allow(missing_docs)]
 
+#[path = "exchange/mod.rs"]
+mod exchange;
+
 use std::io::Read as _;
 use std::ops::Range;
 use std::path::Path;
@@ -333,7 +336,7 @@ fn seeds_are_sound() {
     let _alone = alone();
     let whole: Vec<(String, Record)> =
         files("seeds").into_iter().map(|(name, text)| (name, Record::read(&text).unwrap())).collect();
-    for verb in ["run", "sweep", CHOOSE, "stability", "explain", "pareto", "need", "table"] {
+    for verb in ["run", "sweep", CHOOSE, "stability", "explain", "pareto", "need", "table", "judge"] {
         assert!(whole.iter().any(|(_, run)| run.verb() == verb), "{verb}");
     }
     for (name, text) in files("seeds") {

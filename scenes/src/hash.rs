@@ -10,7 +10,7 @@ use crate::scene::Mesh;
 const BLOCK_BYTES: usize = 1 << 16;
 
 /// SHA-256 of `mesh` in lower-case hex; the order of what is hashed is told at [`crate::Scene::sha256`].
-pub(crate) fn content_sha256(mesh: &Mesh) -> String {
+pub fn content_sha256(mesh: &Mesh) -> String {
     let mut words = Words { digest: Sha256::new(), block: Vec::with_capacity(BLOCK_BYTES + 8) };
     words.length(mesh.positions.len());
     for value in mesh.positions.iter().flatten() {

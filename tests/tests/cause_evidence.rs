@@ -147,7 +147,7 @@ fn causes(
     let sampling_model = session.sampling_model(config).unwrap();
     let judge = Judge {
         truth: session.truth(),
-        eye: session.viewpoint().eye.as_dvec3(),
+        eye: Some(session.viewpoint().eye.as_dvec3()),
         rays: &rays_of,
         answers: &answers,
         query: Query::Closest,

@@ -31,7 +31,7 @@ fn wrong(truth: &Truth, rays: &[Ray], hits: &[Hit]) -> (Vec<usize>, usize) {
     let answers: Vec<Answer> = rays.iter().map(|ray| truth.answer_one(&Ray64::from(ray), Query::Closest)).collect();
     let judge = Judge {
         truth,
-        eye: DVec3::ZERO,
+        eye: Some(DVec3::ZERO),
         rays,
         answers: &answers,
         query: Query::Closest,

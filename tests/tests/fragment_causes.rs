@@ -24,7 +24,7 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
     let samplings = [SampledImage::new(Projection::Perspective(viewpoint().frame_view()), layers)];
     let judge = Judge {
         truth: &truth,
-        eye: DVec3::ZERO,
+        eye: Some(DVec3::ZERO),
         rays,
         answers: &answers,
         query: Query::Closest,

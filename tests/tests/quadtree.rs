@@ -184,7 +184,7 @@ fn outcome(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Out
     let (rays_of, answers, hits) = (of(&shown, &rays.buffer.host), of(&shown, &rays.answers), of(&shown, &hits));
     let judge = Judge {
         truth,
-        eye: view.eye,
+        eye: Some(view.eye),
         rays: &rays_of,
         answers: &answers,
         query: Query::Closest,

@@ -216,7 +216,7 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
     let samplings = scene.structure.samplings(&parameters(&[])).unwrap();
     let judge = Judge {
         truth: &truth,
-        eye: viewpoint.eye.as_dvec3(),
+        eye: Some(viewpoint.eye.as_dvec3()),
         rays: &rays,
         answers: &answers,
         query: Query::Closest,

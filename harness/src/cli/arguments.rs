@@ -34,7 +34,7 @@ pub(super) struct RunArguments {
     /// NAME@PARAMETER=VALUE is the tracer with a value of its own, so that one may stand there several times.
     #[arg(long, default_value = "all")]
     pub tracer: String,
-    /// Ray sets: names from `list rays` with commas, or all.
+    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all.
     #[arg(long, default_value = "all")]
     pub rays: String,
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub(super) struct TableArguments {
     pub scene: Option<OsString>,
     #[arg(long, help = tables::tracer_help())]
     pub tracer: Option<String>,
-    /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
+    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all; the table's own if not given.
     #[arg(long)]
     pub rays: Option<String>,
     /// Frames of the animation or of the camera's path after the first, for a table over either; 8 if not given.
@@ -229,7 +229,7 @@ fn frame(text: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
-fn ray_image(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn ray_image(text: &str) -> Result<[u32; 2], String> {
     let [width, height] = frame(text)?;
     let rays = u64::from(width) * u64::from(height);
     if rays > MAX_RAYS {
@@ -255,9 +255,21 @@ impl CommonArguments {
         ray_sets: Vec<RaySet>,
         preset: RunPreset,
     ) -> Result<Plan, CliError> {
+        let tracers = vec![TracerRequest { required: true, ..tracer.clone() }];
+        self.plan_of(names::scene(scene)?, tracers, ray_sets, preset)
+    }
+
+    /// The plan of tracers in one scene.
+    pub(super) fn plan_of(
+        &self,
+        scene: SceneSource,
+        tracers: Vec<TracerRequest>,
+        ray_sets: Vec<RaySet>,
+        preset: RunPreset,
+    ) -> Result<Plan, CliError> {
         Ok(Plan {
-            scenes: vec![names::scene(scene)?],
-            tracers: vec![TracerRequest { required: true, ..tracer.clone() }],
+            scenes: vec![scene],
+            tracers,
             ray_sets,
             ray_parameters: names::ray_values(&self.settings)?,
             preset: RunPreset { scene_scale: self.scale.unwrap_or(preset.scene_scale), ..preset },

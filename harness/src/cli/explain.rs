@@ -24,7 +24,7 @@ pub(super) struct ExplainArguments {
     /// The tracer, NAME or NAME:PRESET: one whose weaknesses can be taken away.
     #[arg(long, default_value = registry::first(explainable).map(Registration::name))]
     tracer: String,
-    /// Ray sets: names from `list rays` with commas, or all.
+    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all.
     #[arg(long, default_value = "all")]
     rays: String,
     #[command(flatten)]

@@ -1,5 +1,5 @@
 //! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | compare | merge | report | picture |
-//! stability | explain`.
+//! stability | explain | rays | judge`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -8,6 +8,7 @@ mod clock;
 mod compare;
 mod doctor;
 mod explain;
+mod judge;
 mod list;
 mod merge;
 mod names;
@@ -32,6 +33,7 @@ use tracebench_api::{AdapterChoice, Gpu, TracerError};
 
 use arguments::DeviceArguments;
 
+use crate::exchange::ExchangeError;
 use crate::files::FileError;
 use crate::measure::RunError;
 use crate::picture::PictureError;
@@ -88,6 +90,11 @@ enum Verb {
     Stability(stability::StabilityArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
     Explain(explain::ExplainArguments),
+    /// Write rays with their truth, and the scene, as arrays that any program reads.
+    #[command(mut_arg("adapter", |arg| arg.hide(true)), mut_arg("limits", |arg| arg.hide(true)))]
+    Rays(judge::RaysArguments),
+    /// Judge what any program answered to rays that `rays` wrote, as tracers here are.
+    Judge(judge::JudgeArguments),
 }
 
 /// What ends the program early.
@@ -102,6 +109,9 @@ pub(crate) enum CliError {
     /// A file could not be written.
     #[error(transparent)]
     File(#[from] FileError),
+    /// Rays or answers could not be read or written.
+    #[error(transparent)]
+    Exchange(#[from] ExchangeError),
     /// A record could not be read, or what derives from it not be made.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -170,6 +180,8 @@ pub fn main() -> ExitCode {
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
+        Verb::Rays(arguments) => judge::rays(arguments, &progress),
+        Verb::Judge(arguments) => judge::judge(arguments, &progress),
     };
     // The last hold on a folder of results: it is closed.
     stop::keeps(None);

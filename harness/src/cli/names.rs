@@ -9,6 +9,7 @@ use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 use super::CliError;
 use super::renames::{self, Kind};
 use crate::cases::{self, CASES, Case};
+use crate::exchange;
 use crate::papers::Experiment;
 use crate::peers;
 use crate::plan::{SceneSource, TracerRequest};
@@ -117,14 +118,20 @@ pub(super) fn scene(name: &OsStr) -> Result<SceneSource, CliError> {
     Err(unknown("scene (nor a path to a .gltf or .glb file)", &text, &known))
 }
 
-/// Ray sets: names, or all.
+/// Ray sets: names, folders of rays as `file:DIR`, or all that are listed.
 pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
     if parts(list, "--rays")?.contains(&"all") {
         return Ok(RAY_SETS.to_vec());
     }
     let known: Vec<&str> = RAY_SETS.iter().map(|set| set.name).collect();
-    let find = |name| RAY_SETS.iter().find(|set| set.name == name).copied();
-    parts(list, "--rays")?.into_iter().map(|name| find(name).ok_or_else(|| unknown("ray set", name, &known))).collect()
+    let find = |name: &str| match name.strip_prefix("file:") {
+        Some(folder) => Ok(exchange::ray_set(Path::new(folder))?),
+        None => {
+            let set = RAY_SETS.iter().find(|set| set.name == name).copied();
+            set.ok_or_else(|| unknown("ray set", name, &known))
+        }
+    };
+    parts(list, "--rays")?.into_iter().map(find).collect()
 }
 
 /// Cases: names, or all.

@@ -22,7 +22,7 @@ pub(super) struct NeedArguments {
     /// Tracers: NAME or NAME:PRESET with commas, or all. Methods with nothing to shrink stand there with what they store and touch.
     #[arg(long, default_value = "all")]
     tracer: String,
-    /// Ray sets: names from `list rays` with commas, or all.
+    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all.
     #[arg(long, default_value = "diffuse,ao")]
     rays: String,
     #[command(flatten)]

@@ -22,7 +22,7 @@ pub(super) struct ParetoArguments {
     /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. The presets of one tracer share its points.
     #[arg(long, default_value = "all,all:improved")]
     tracer: String,
-    /// Ray sets: names from `list rays` with commas, or all.
+    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all.
     #[arg(long, default_value = "diffuse,ao")]
     rays: String,
     /// The most points of a tracer, over its parameters and resolutions; fewer are the first of more.

@@ -27,7 +27,7 @@ pub(super) struct SweepArguments {
     scene: Option<OsString>,
     #[arg(long, help = tracer_help())]
     tracer: Option<String>,
-    /// Ray sets: names from `list rays` with commas, or all. If not given diffuse, with --choose specular,diffuse.
+    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all. If not given diffuse, with --choose specular,diffuse.
     #[arg(long)]
     rays: Option<String>,
     #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true, help = over_help())]

@@ -36,8 +36,8 @@ pub const WRONG_RAYS_PER_CAUSE: usize = 4;
 pub struct Judge<'a> {
     /// The scene.
     pub truth: &'a Truth,
-    /// The viewpoint's eye: footprints are those of a camera there.
-    pub eye: DVec3,
+    /// The viewpoint's eye: footprints are those of a camera there. Rays without one are not judged by them.
+    pub eye: Option<DVec3>,
     /// The rays.
     pub rays: &'a [Ray],
     /// Their truth.
@@ -213,22 +213,22 @@ impl Judge<'_> {
     }
 
     fn tolerance(&self, rule: Rule, index: usize, true_t: f64) -> f64 {
-        match rule {
-            Rule::HitMiss => f64::INFINITY,
-            Rule::Tight => tight_tolerance(true_t, self.truth.diagonal()),
-            Rule::Footprint => {
+        match (rule, self.eye) {
+            (Rule::HitMiss, _) => f64::INFINITY,
+            (Rule::Footprint, Some(_)) => {
                 let ray = Ray64::from(&self.rays[index]);
                 // Distance along the ray is t times the direction's length, which is 1 to f32 rounding.
                 let pixel = self.footprint(ray.at(true_t)) / ray.direction.length();
                 // Close to the eye a pixel shrinks below what a t in f32 can tell.
                 pixel.max(f64::from(f32::EPSILON) * true_t)
             }
+            (Rule::Tight | Rule::Footprint, _) => tight_tolerance(true_t, self.truth.diagonal()),
         }
     }
 
-    /// Edge of a reference pixel at a point, scene units: 90 degrees span twice the distance.
+    /// Edge of a reference pixel at a point, scene units: 90 degrees span twice the distance. 0 without an eye.
     pub fn footprint(&self, point: DVec3) -> f64 {
-        2.0 * point.distance(self.eye) / REFERENCE_PIXELS
+        self.eye.map_or(0.0, |eye| 2.0 * point.distance(eye) / REFERENCE_PIXELS)
     }
 
     /// Whether an answer can be wrong: of ambiguous any-hit rays both are right.

@@ -22,7 +22,8 @@ impl Judge<'_> {
         let by_rule = Rule::ALL.map(|rule| self.count(self.judged(), rule, hits));
         let without_ambiguous = Rule::ALL.map(|rule| agreement(&self.count(self.unambiguous(), rule, hits)));
         let wrong_tight = self.wrong(Rule::Tight, hits, &[]);
-        let wrong_footprint = self.wrong(Rule::Footprint, hits, &wrong_tight);
+        let wrong_footprint =
+            if self.eye.is_some() { self.wrong(Rule::Footprint, hits, &wrong_tight) } else { Vec::new() };
         let causes = [
             ("tight".to_owned(), count_causes(&wrong_tight)),
             ("footprint".to_owned(), count_causes(&wrong_footprint)),
@@ -30,7 +31,7 @@ impl Judge<'_> {
         let errors = self.position_errors(hits);
         let (shares, intervals) = (by_rule.each_ref().map(agreement), by_rule.each_ref().map(interval));
         let [hit_miss, tight, footprint] = by_rule;
-        ClosestJudgement {
+        let judged = ClosestJudgement {
             agreement: shares.into(),
             agreement_without_ambiguous: Some(without_ambiguous.into()),
             interval: intervals.into(),
@@ -45,7 +46,8 @@ impl Judge<'_> {
             classes: ByRule { tight, footprint },
             ambiguous_rays,
             many_ambiguous_rays,
-        }
+        };
+        if self.eye.is_some() { judged } else { judged.without_footprint() }
     }
 
     pub(super) fn judge_any(&self, hits: &[Hit]) -> AnyJudgement {

@@ -10,7 +10,7 @@ use tracebench_api::{
     Viewpoint,
 };
 
-use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceJudgement, TrueCounts};
+use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, PerRule, SurfaceJudgement, TrueCounts};
 use crate::truth::{Answer, Ray64};
 
 /// A control.
@@ -155,7 +155,11 @@ impl Control {
         let [found, passed, lost] = self.ambiguous(counts);
         let right = [hits - missed + found, misses - invented + passed, invented, missed + lost];
         let (agreement, without) = (&judgement.agreement, &judgement.agreement_without_ambiguous);
-        [&judgement.classes.tight, &judgement.classes.footprint].into_iter().all(|classes| {
+        let has_footprint = judgement.has_footprint();
+        let footprint = has_footprint.then_some(&judgement.classes.footprint);
+        let is_same =
+            |of: &PerRule<Option<f64>>| of.tight == of.hit_miss && (!has_footprint || of.footprint == of.hit_miss);
+        [&judgement.classes.tight].into_iter().chain(footprint).all(|classes| {
             let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = *classes;
             // Always the same t is early or late, or right by chance.
             let found = if self == Self::AlwaysHit { true_hit + early + late } else { true_hit };
@@ -163,8 +167,8 @@ impl Control {
         }) && agreement.hit_miss == share(invented + missed + lost, right.iter().sum())
             && without.as_ref().is_none_or(|without| without.hit_miss == share(missed + invented, hits + misses))
             && (!self.knows()
-                || [agreement.tight, agreement.footprint] == [agreement.hit_miss; 2]
-                    && without.as_ref().is_none_or(|each| [each.tight, each.footprint] == [each.hit_miss; 2])
+                || is_same(agreement)
+                    && without.as_ref().is_none_or(is_same)
                     && judgement.identity.is_none_or(|identity| identity == 1.0))
     }
 

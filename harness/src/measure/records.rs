@@ -66,6 +66,7 @@ pub(crate) fn trace_record(
         statuses,
         judgement,
         surfaces,
+        self_reported: None,
     }
 }
 
@@ -99,7 +100,7 @@ pub(super) fn are_believed<'a>(timed_samples: impl IntoIterator<Item = &'a [Timi
 
 /// Samples by their own clock, or of work on the device by the host's where their timestamps or those of their interleaved set are not
 /// believed.
-pub(super) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Times {
+pub(crate) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Times {
     let on_device = timings.iter().any(|timing| timing.submit_to_done_ms.is_some());
     let believed = !on_device || (interleaved_set_is_believed && Timing::plausible(timings));
     let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms.map(whole_ns)).collect();

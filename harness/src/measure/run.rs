@@ -13,6 +13,7 @@ use super::workload::{AnimationFrames, Hook, MeasureOptions, Measured, PreparedW
 use super::{Journal, RunError, TracerCache, TracerConfig, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
+use crate::rays::RaySet;
 use crate::registry::Device;
 use crate::results::{LaunchRecord, Provenance, Record, Row, SCHEMA, Skipped};
 use crate::truth::Cache;
@@ -78,7 +79,8 @@ impl<'a> Context<'a> {
     pub(crate) fn check_rays(&self, plan: &Plan, required: bool) -> Result<(), RunError> {
         if let Some(gpu) = self.device.as_ref().ok().filter(|_| required) {
             let [width, height] = plan.preset.ray_image.map(u64::from);
-            RayBuffer::check_fits(gpu, width * height)?;
+            let saved = plan.ray_sets.iter().filter_map(RaySet::saved).map(|saved| saved.rays.len() as u64).max();
+            RayBuffer::check_fits(gpu, saved.unwrap_or(0).max(width * height))?;
         }
         Ok(())
     }

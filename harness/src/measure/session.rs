@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::DVec3;
 use tracebench_api::{
     Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, SampledImage, Surface,
     Timing, TraceJob, TraceTo, TracerError, Viewpoint, VoxelGrid,
@@ -25,6 +26,9 @@ pub enum SessionError {
     /// The truth failed its audit.
     #[error(transparent)]
     Truth(#[from] TruthError),
+    /// Rays of a folder are not of the scene.
+    #[error(transparent)]
+    Rays(RayError),
     /// Rays do not fit the device.
     #[error(transparent)]
     Tracer(#[from] TracerError),
@@ -41,6 +45,8 @@ pub struct PreparedRays {
     pub buffer: RayBuffer,
     /// Their truth.
     pub answers: Arc<Vec<Answer>>,
+    /// The eye whose pixels `footprint` is of; none of rays that have none.
+    pub eye: Option<DVec3>,
     /// Hash of the rays.
     pub sha256: String,
     /// Of every ray the pixel that it started from; empty for rays that were made elsewhere.
@@ -48,9 +54,14 @@ pub struct PreparedRays {
 }
 
 impl PreparedRays {
-    fn new(set: RaySet, rays: Arc<Vec<Ray>>, answers: Arc<Vec<Answer>>, gpu: Option<&Gpu>) -> Self {
+    fn new(
+        set: RaySet,
+        (rays, answers): (Arc<Vec<Ray>>, Arc<Vec<Answer>>),
+        eye: Option<DVec3>,
+        gpu: Option<&Gpu>,
+    ) -> Self {
         let sha256 = crate::hash::sha256_of(&rays);
-        Self { set, buffer: RayBuffer::new(rays, set.query, gpu), answers, sha256, pixels: Arc::default() }
+        Self { set, buffer: RayBuffer::new(rays, set.query, gpu), answers, eye, sha256, pixels: Arc::default() }
     }
 }
 
@@ -129,6 +140,7 @@ impl Session {
             let made = match rays::make(set, &scene, &primary, tell) {
                 Ok(made) => made,
                 Err(RayError::Truth(error)) => return Err(error.into()),
+                Err(error @ RayError::OtherScene(_)) => return Err(SessionError::Rays(error)),
                 Err(error) => {
                     skipped.push(Skipped {
                         tracer: None,
@@ -151,7 +163,8 @@ impl Session {
             if let Some(why) = one_sided(set.query, hits + may_hit, misses + may_miss) {
                 progress.say(&format!("  warning: rays {}: {why}, so shares of right answers say nothing", set.name));
             }
-            prepared.push(PreparedRays { pixels, ..PreparedRays::new(*set, rays, answers, gpu.as_deref()) });
+            let eye = set.saved().map_or(Some(viewpoint.eye.as_dvec3()), |saved| saved.eye);
+            prepared.push(PreparedRays { pixels, ..PreparedRays::new(*set, (rays, answers), eye, gpu.as_deref()) });
         }
         Ok(Self::with(truth, viewpoint, gpu, prepared, skipped))
     }
@@ -169,8 +182,19 @@ impl Session {
     ) -> Result<Self, SessionError> {
         let rays = Arc::new(rays);
         let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
-        let rays = vec![PreparedRays::new(set, rays, answers, gpu.as_deref())];
-        Ok(Self::with(truth, viewpoint, gpu, rays, Vec::new()))
+        let eye = Some(viewpoint.eye.as_dvec3());
+        Ok(Self { gpu, ..Self::of_answered(truth, viewpoint, set, (rays, answers), eye) })
+    }
+
+    /// Takes rays and truth that are there, without a device. `eye`: see [`PreparedRays::eye`].
+    pub fn of_answered(
+        truth: Truth,
+        viewpoint: Viewpoint,
+        set: RaySet,
+        known: (Arc<Vec<Ray>>, Arc<Vec<Answer>>),
+        eye: Option<DVec3>,
+    ) -> Self {
+        Self::with(truth, viewpoint, None, vec![PreparedRays::new(set, known, eye, None)], Vec::new())
     }
 
     fn with(
@@ -375,7 +399,7 @@ impl Session {
         hits: &[Hit],
         surfaces: &[Surface],
     ) -> Result<Option<SurfaceJudgement>, SessionError> {
-        if self.trace_to == TraceTo::Hit {
+        if self.trace_to == TraceTo::Hit || rays.eye.is_none() {
             return Ok(None);
         }
         let judged = self.judge_of(rays, &[]).judge_surfaces(hits, surfaces);
@@ -396,10 +420,10 @@ impl Session {
         self.judge_of(rays, &[]).classes(rule, hits).map_err(|error| no_answers(tracer, rays, error))
     }
 
-    fn judge_of<'a>(&'a self, rays: &'a PreparedRays, samplings: &'a [SampledImage]) -> Judge<'a> {
+    pub(crate) fn judge_of<'a>(&'a self, rays: &'a PreparedRays, samplings: &'a [SampledImage]) -> Judge<'a> {
         Judge {
             truth: &self.truth,
-            eye: self.viewpoint.eye.as_dvec3(),
+            eye: rays.eye,
             rays: &rays.buffer.host,
             answers: &rays.answers,
             query: rays.set.query,

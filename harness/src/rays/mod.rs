@@ -5,6 +5,7 @@ mod eye;
 mod order;
 mod parameters;
 pub(crate) mod sampling;
+mod saved;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ pub use centres::{BETWEEN_SAMPLES, between_samples, shared_centres};
 pub use eye::primary_rays;
 pub use order::TILE;
 pub use parameters::{Order, RayParameters, Target, check_ray_parameters, default_parameters, ray_parameters};
+pub use saved::KnownRays;
 
 use crate::truth::{Answer, Truth, TruthError};
 
@@ -56,6 +58,8 @@ enum Kind {
     Lens,
     LightField,
     Given,
+    /// By their place among those that were kept.
+    Saved(usize),
 }
 
 /// A ray set as data.
@@ -210,6 +214,9 @@ pub struct GeneratedRays {
 /// Why there are no rays.
 #[derive(Debug, thiserror::Error)]
 pub enum RayError {
+    /// Rays that were read are of another scene.
+    #[error("{0}")]
+    OtherScene(String),
     /// No ray starts from this viewpoint.
     #[error("the ray set is empty: {0}")]
     Empty(&'static str),
@@ -239,6 +246,9 @@ pub fn make(
     primary: &Starts,
     tell: impl Fn(&Arc<Vec<Ray>>) -> Result<Vec<Answer>, TruthError>,
 ) -> Result<GeneratedRays, RayError> {
+    if let Some(saved) = set.saved() {
+        return saved.of_scene(scene.truth);
+    }
     let order = scene.parameters.order;
     if set.kind == Kind::Primary && order == Order::Scanline {
         let pixels = Arc::new((0..primary.rays.len() as Pixel).collect());
@@ -284,7 +294,7 @@ pub fn make(
         Kind::Lens => eye::lens(scene, primary),
         Kind::LightField => eye::light_field(scene),
         // Their owner has them.
-        Kind::Given => Vec::new(),
+        Kind::Given | Kind::Saved(_) => Vec::new(),
     };
     if made.is_empty() {
         return Err(RayError::Empty(why_empty(set.kind, primary)));

@@ -116,6 +116,7 @@ pub(crate) fn run(configs: &[(&str, Quality)], sets: &[(&str, Query)]) -> Record
         explanation: None,
         pareto: None,
         need: None,
+        judged: None,
         ray_parameters: BTreeMap::new(),
         control_names: crate::measure::controls::Control::names(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
@@ -418,6 +419,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
             Query::Any => Judgement::Any(any(quality)),
         },
         surfaces: None,
+        self_reported: None,
     }
 }
 

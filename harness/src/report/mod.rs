@@ -167,6 +167,7 @@ const STUDIES: &[Study] = &[
     study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), pareto::report),
     study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), need::report),
     study("explain", Section::Study, &[], |record| record.explanation.is_some(), explain::report),
+    study("judge", Section::Run, &chart::STEMS, |record| record.judged.is_some(), of_run),
     study("sweep", Section::Study, &chart::STEMS, |record| record.sweep.is_some(), of_run),
     study("table", Section::Table, &chart::STEMS, |record| record.table.is_some(), of_run),
     study("run", Section::Run, &chart::STEMS, |_| true, of_run),

@@ -15,8 +15,8 @@ use super::format::{self, mib, significant, statistic, thousands};
 use super::group::{Group, Role};
 use super::markdown::literal;
 use super::metrics::{
-    self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED,
-    STRUCTURE, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
+    self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION,
+    SELF_REPORTED, SPEED, STRUCTURE, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
 };
 use super::sheet::{Cell, Columns, Sheet, Table};
 use super::surfaces;
@@ -104,7 +104,9 @@ fn footprint(record: &Record) -> Option<String> {
         let [of_frame, of_face] = [of_frame, of_face].map(|times| significant(times, 2));
         format!("at {width}x{height} a frame's is {of_frame} times as wide, at {face}x{face} a face's {of_face} times")
     };
-    let each = record.rows.iter().map(of).unique().collect::<Vec<_>>().join("; ");
+    // Rays without an eye have no viewpoint.
+    let each =
+        record.rows.iter().filter(|row| row.viewpoint.frame != [0; 2]).map(of).unique().collect::<Vec<_>>().join("; ");
     (!each.is_empty()).then(|| format!("Footprint: one pixel of the reference camera; {each}."))
 }
 
@@ -287,8 +289,8 @@ fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, TableRo
 }
 
 fn closest_tables(rows: &[TableRow<'_>]) -> Document {
-    let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace));
-    let main = traced(Query::Closest).with(metrics(beside.into_iter().chain([POSITION, IDENTITY, AMBIGUOUS])));
+    let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace)).into_iter().chain(told(rows));
+    let main = traced(Query::Closest).with(metrics(beside.chain([POSITION, IDENTITY, AMBIGUOUS])));
     let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
     for (role, run, trace) in rows {
         let Some(classes) = metrics::closest(trace).map(|judgement| &judgement.classes) else { continue };
@@ -309,7 +311,12 @@ fn closest_tables(rows: &[TableRow<'_>]) -> Document {
 
 fn any_table(rows: &[TableRow<'_>]) -> Table {
     let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
-    traced(Query::Any).with(metrics(counts)).table(rows)
+    traced(Query::Any).with(metrics(told(rows).into_iter().chain(counts))).table(rows)
+}
+
+/// The column of times that programs tell of themselves, where one does.
+fn told(rows: &[TableRow<'_>]) -> Option<Metric> {
+    rows.iter().any(|(.., trace)| trace.self_reported.is_some()).then_some(SELF_REPORTED)
 }
 
 /// The rows of tracers that are no controls, each with everything of a kind that its trace tells.

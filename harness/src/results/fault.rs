@@ -303,7 +303,7 @@ mod tests {
             assert_eq!(refusal(whole), "");
         }
         let trace = |rest: &str| format!("/rows/0/traces/0{rest}");
-        let changes: [(&Value, &str, Value, &str); 39] = [
+        let changes: [(&Value, &str, Value, &str); 40] = [
             (&plain, "/rows", json!([]), "`rows` must be filled: it has no rows"),
             (&plain, "/rules_version", json!(99), "`rules_version` must be that of this program or less"),
             (&plain, "/control_names", json!(["oracle"]), "`control_names` must be all controls"),

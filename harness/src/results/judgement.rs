@@ -210,6 +210,24 @@ impl ClosestJudgement {
     pub fn left_out(&self) -> u64 {
         if self.truth.is_some() { 0 } else { self.ambiguous_rays }
     }
+
+    /// The same of rays without an eye, of which no camera tells the size of a pixel.
+    #[must_use]
+    pub(crate) fn without_footprint(mut self) -> Self {
+        self.classes.footprint = Classes::default();
+        self.agreement.footprint = None;
+        self.interval.footprint = None;
+        if let Some(without) = &mut self.agreement_without_ambiguous {
+            without.footprint = None;
+        }
+        self.causes.remove(Rule::Footprint.name());
+        self
+    }
+
+    /// Whether `footprint` is judged, where anything is.
+    pub(crate) fn has_footprint(&self) -> bool {
+        self.agreement.footprint.is_some() || self.agreement.tight.is_none()
+    }
 }
 
 /// What the truth says of a set's rays: a property of rays and scene, whoever traces them.

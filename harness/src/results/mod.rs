@@ -69,7 +69,7 @@ pub use row::{MemoryRecord, Row, SceneRecord, TracerRecord, ViewpointRecord};
 pub(crate) use row::{config, said};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};
 pub use times::{BuildRecord, PhaseRecord, Times};
-pub use trace::{CounterRecord, TraceRecord};
+pub use trace::{CounterRecord, SelfReported, TraceRecord};
 pub use tuning::{TunedScene, TuningRecord, place_name};
 pub use updates::{FRESH_BUILD, SceneFollowed, UpdateModeRecord, UpdatesRecord};
 
@@ -112,6 +112,9 @@ pub struct Record {
     /// Structures that were shrunk until answers got worse.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub need: Option<NeedRecord>,
+    /// Answers of a program that is no tracer of this suite.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub judged: Option<JudgedRecord>,
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,
@@ -132,6 +135,13 @@ pub struct Record {
     pub interleaved_sets: Vec<InterleavedSetRecord>,
     /// What did not run, and why.
     pub skipped: Vec<Skipped>,
+}
+
+/// What answers from elsewhere were judged by.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct JudgedRecord {
+    /// Truths that were computed anew and found to be the same.
+    pub truths_checked: u64,
 }
 
 /// Something that was asked for and did not run.
@@ -161,6 +171,7 @@ impl Record {
             (CHOOSE, self.tuning.is_some()),
             ("stability", self.cases.is_some()),
             ("explain", self.explanation.is_some()),
+            ("judge", self.judged.is_some()),
             ("pareto", self.pareto.is_some()),
             ("need", self.need.is_some()),
             ("table", self.updates.is_some() || self.table.is_some()),
@@ -171,6 +182,6 @@ impl Record {
 
     /// Whether it is of a kind that takes no times: its rows have no samples.
     pub fn is_untimed(&self) -> bool {
-        self.tuning.is_some() || self.cases.is_some() || self.explanation.is_some()
+        self.tuning.is_some() || self.cases.is_some() || self.explanation.is_some() || self.judged.is_some()
     }
 }

@@ -46,6 +46,21 @@ pub struct TraceRecord {
     /// The verdict on its surfaces, where it has any.
     #[serde(default)]
     pub surfaces: Option<SurfaceJudgement>,
+    /// Times that a program which is no tracer of this suite tells of itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_reported: Option<SelfReported>,
+}
+
+/// Times that a program tells of itself: a column beside what was judged, never a verdict.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SelfReported {
+    /// Building its structure, milliseconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub build_ms: Option<f64>,
+    /// Tracing all rays, milliseconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trace_ms: Option<f64>,
 }
 
 impl TraceRecord {

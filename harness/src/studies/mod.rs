@@ -3,6 +3,7 @@
 
 pub mod clock;
 pub mod explain;
+pub mod judge;
 pub mod need;
 pub mod pareto;
 pub mod stability;

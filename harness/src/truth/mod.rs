@@ -35,7 +35,7 @@ pub const TIGHT_ABSOLUTE: f64 = 1e-6;
 const MOVED_ULPS: f64 = 4.0;
 
 /// Rays that an ambiguous ray is moved to: its origin four times, then each end of its span up and down.
-pub(crate) const MOVES: usize = 8;
+pub const MOVES: usize = 8;
 
 /// The least coordinate, in scene diagonals, whose ulps count: next to the coordinates' origin the ulps of an origin's
 /// own coordinates shrink below what even f64 tells. No larger than that needs, so that fine things in large scenes keep
@@ -166,6 +166,11 @@ impl Truth {
     /// The scene's triangles.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
+    }
+
+    /// The scene's hash.
+    pub fn scene_sha256(&self) -> &str {
+        &self.scene_sha256
     }
 
     /// The scene's diagonal.

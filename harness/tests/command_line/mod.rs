@@ -2,6 +2,7 @@
 
 mod clock;
 mod compare;
+mod exchange;
 mod far;
 mod faults;
 mod fronts;

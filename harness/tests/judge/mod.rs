@@ -75,7 +75,7 @@ impl Case {
     fn judge(&self) -> Judge<'_> {
         Judge {
             truth: &self.truth,
-            eye: self.eye,
+            eye: Some(self.eye),
             rays: &self.rays,
             answers: &self.answers,
             query: self.query,

@@ -69,6 +69,15 @@ impl<'a> Form<'a> {
             && self.influences.iter().flat_map(|set| set.weights.vector::<4>(corner)).all(|weight| weight == 0.0)
     }
 
+    /// The position of a vertex as it is stored, to the bit.
+    pub(super) fn stored(&self, corner: u32) -> Result<[f32; 3], String> {
+        let own = DVec3::from_array(self.positions.vector(corner as usize));
+        if own.is_finite() && own.abs().max_element() <= super::MAX_COORDINATE {
+            return Ok(own.as_vec3().to_array());
+        }
+        Err(self.out_of_range(corner, own, own))
+    }
+
     /// The position of a vertex in world space, computed in f64 and rounded once.
     pub(super) fn point(&self, corner: u32) -> Result<[f32; 3], String> {
         let own = DVec3::from_array(self.positions.vector(corner as usize));

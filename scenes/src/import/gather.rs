@@ -18,6 +18,8 @@ pub(super) struct Gathered {
     pub(super) weightless: u64,
     /// For each position the vertex of its primitive that it was computed from, if that is asked for.
     pub(super) sources: Option<Vec<u32>>,
+    /// Whether all parts have the vertices of one accessor, which are kept as they stand ([`super::SHARED_VERTICES`]), and how many at most.
+    shared: Option<usize>,
     /// For each vertex of the part at hand: the pass in which it was last kept (high half) and its new index.
     kept: Vec<u64>,
     pass: u32,
@@ -25,8 +27,9 @@ pub(super) struct Gathered {
 
 impl Gathered {
     /// Room for `triangles` triangles.
-    pub(super) fn new(triangles: usize, keep_sources: bool) -> Self {
+    pub(super) fn new(triangles: usize, keep_sources: bool, shared: bool) -> Self {
         Self {
+            shared: (shared && !keep_sources).then(|| triangles.saturating_mul(3)),
             sources: keep_sources.then(Vec::new),
             triangles: Vec::with_capacity(triangles),
             triangle_materials: Vec::with_capacity(triangles),
@@ -45,18 +48,28 @@ impl Gathered {
         material: u32,
         object: u32,
     ) -> Result<(), String> {
-        if self.kept.len() < part.vertices {
+        if self.shared.is_none() && self.kept.len() < part.vertices {
             // Fresh zeroed memory instead of growth: pages that no index touches are never mapped.
             self.kept = vec![0; part.vertices];
             self.pass = 0;
         }
         // No scene has 2^32 primitives in its nodes, so the pass number does not wrap.
         self.pass += 1;
+        if let Some(most) = self.shared {
+            let all = part.positions.count();
+            if self.positions.is_empty() && all <= most {
+                self.positions = (0..all as u32).map(|vertex| form.stored(vertex)).collect::<Result<_, _>>()?;
+            }
+            if all != self.positions.len() {
+                let (label, name) = (&part.label, super::SHARED_VERTICES);
+                return Err(format!("{label}: with {name} all primitives have one POSITION, of vertices in triangles"));
+            }
+        }
         let mirrored = form.is_mirrored();
         let indices = part.indices.as_ref().map(|indices| indices.view(bytes));
         for at in 0..part.triangles {
             let mut corners = part.corners(indices.as_ref(), at);
-            if mirrored {
+            if mirrored && self.shared.is_none() {
                 corners.swap(1, 2);
             }
             let mut points = [[0.0f32; 3]; 3];
@@ -81,6 +94,9 @@ impl Gathered {
 
     /// The index of a vertex of the part at hand that was kept before.
     fn known(&self, corner: u32) -> Option<u32> {
+        if self.shared.is_some() {
+            return Some(corner);
+        }
         let slot = self.kept[corner as usize];
         ((slot >> 32) as u32 == self.pass).then_some(slot as u32)
     }

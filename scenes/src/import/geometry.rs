@@ -125,7 +125,8 @@ impl Geometry {
         if all().any(|part| part.material.is_none()) || materials.is_empty() {
             materials.push(materials::DEFAULT);
         }
-        let mut gathered = Gathered::new(usize::try_from(total).unwrap_or(0), keep_sources);
+        let shared = root.extensions_used.iter().any(|name| name == super::SHARED_VERTICES);
+        let mut gathered = Gathered::new(usize::try_from(total).unwrap_or(0), keep_sources, shared);
         let mut objects: Vec<String> = Vec::new();
         let mut instances = Vec::new();
         for (place, placed) in self.rig.placed.iter().enumerate() {
@@ -153,6 +154,14 @@ impl Geometry {
         }
         if gathered.triangles.is_empty() {
             return Err(no_triangles(root, &self.rig.placed, notes));
+        }
+        let mut unused = vec![shared && !keep_sources; gathered.positions.len()];
+        gathered.triangles.iter().flatten().for_each(|corner| unused[*corner as usize] = false);
+        if unused.contains(&true) {
+            return Err(format!(
+                "with {} every vertex is in a triangle with an area; leave the others out",
+                super::SHARED_VERTICES
+            ));
         }
         let Gathered { positions, triangles, triangle_materials, triangle_objects, sources, .. } = gathered;
         let points = |triangle: &[u32; 3]| triangle.map(|corner| positions[corner as usize]);

@@ -37,6 +37,10 @@ use crate::scene::{ImportNotes, Origin, Scene};
 pub(crate) use self::degenerate::has_zero_area;
 pub use self::far::is_far;
 
+/// The extension of files that keep a scene's arrays: all primitives have the vertices of one accessor, each is in a triangle, and they are
+/// kept in their order and as they are stored, whatever the nodes' transforms. Files that move are read without it.
+pub const SHARED_VERTICES: &str = "TRACEBENCH_shared_vertices";
+
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
 pub const MAX_TRIANGLES: u64 = 50_000_000;
 

@@ -19,6 +19,11 @@ pub(crate) const SPEED: Metric = metric("mrays_per_s", "speed", "Mrays/s", Highe
 /// Time of a trace.
 pub(crate) const TRACE_TIME: Metric =
     metric("median_ms", "median time", "ms", Lower, |trace| timed(trace, (&trace.times).into()));
+/// Time of a trace as a program that is no tracer of this suite tells of itself.
+pub(crate) const SELF_REPORTED: Metric =
+    metric("self_reported_trace_ms", "self-reported time", "ms", Neither, |trace| {
+        Some(trace.self_reported.as_ref()?.trace_ms?.into())
+    });
 /// Time of the phases of a build, which records of before rules version 3 have alone.
 pub(crate) const BUILD_TIME: Metric = structure("build_median_ms", "build time", "ms", Lower, |row| {
     Some(if row.build.steady.is_none() { (&row.build.times).into() } else { Cell::Absent })
@@ -161,6 +166,8 @@ pub(crate) const METRICS: &[Metric] = &[
     plain("trace_host_ms", |trace| Some(host_ms(&trace.times).into())),
     plain("samples", |trace| Some((trace.times.samples_ms.len() as u64).into())),
     plain("per_trace_bytes", |trace| Some(trace.per_trace_bytes.into())),
+    SELF_REPORTED,
+    plain("self_reported_build_ms", |trace| Some(trace.self_reported.as_ref()?.build_ms?.into())),
     BUILD_TIME,
     FIRST_BUILD,
     STEADY_BUILD,
