@@ -200,6 +200,17 @@ impl TracerRequest {
         chosen.map(|(name, value)| (name.to_owned(), value.clone())).collect::<Vec<_>>().into_iter()
     }
 
+    /// The tracer as `--tracer` takes it.
+    pub fn argument(&self) -> String {
+        let own = self.parameters.iter().filter(|(name, _)| self.changed.iter().any(|changed| changed == name));
+        let own: String = own.map(|(name, value)| format!("@{name}={value}")).collect();
+        let preset = match self.preset {
+            Preset::Published => String::new(),
+            Preset::Improved => format!(":{}", self.preset.name()),
+        };
+        format!("{}{preset}{own}", self.name())
+    }
+
     /// Whether the run fails without a device.
     pub fn must_have_device(&self) -> bool {
         self.required && self.registration.needs_device()

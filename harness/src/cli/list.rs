@@ -10,7 +10,7 @@ use super::CliError;
 use super::output::{print, print_json};
 use crate::cases::{CASES, Case};
 use crate::plan::TracerRequest;
-use crate::rays::{RAY_SETS, RaySet, ray_parameters};
+use crate::rays::{HOSTILE, RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
 use crate::tables::Table;
 
@@ -118,7 +118,7 @@ fn parameters_of(set: &RaySet) -> Vec<ParameterDescription> {
 }
 
 fn rays_text() -> String {
-    let sets = RAY_SETS.iter().map(|set| {
+    let sets = RAY_SETS.iter().chain([&HOSTILE]).map(|set| {
         let query = if set.query == Query::Any { " (any hit)" } else { "" };
         format!("{:<12} {}{query}\n", set.name, set.summary)
     });
@@ -139,7 +139,7 @@ fn rays() -> Vec<Value> {
         let parameters: Vec<Value> = parameters_of(set).iter().map(parameter).collect();
         json!({ "name": set.name, "query": set.query, "summary": set.summary, "parameters": parameters })
     };
-    RAY_SETS.iter().map(item).collect()
+    RAY_SETS.iter().chain([&HOSTILE]).map(item).collect()
 }
 
 fn cases() -> Vec<Value> {
@@ -159,22 +159,13 @@ fn case_text(case: &Case) -> String {
 
 /// Labels of a table's rows, as `--tracer` takes them; each once, however many steps have it.
 fn rows(table: Table) -> Vec<String> {
-    let row = |request: &TracerRequest| {
-        let own = request.parameters.iter().filter(|(name, _)| request.changed.iter().any(|changed| changed == name));
-        let own: String = own.map(|(name, value)| format!("@{name}={value}")).collect();
-        let preset = match request.preset {
-            Preset::Published => String::new(),
-            Preset::Improved => format!(":{}", request.preset.name()),
-        };
-        format!("{}{preset}{own}", request.name())
-    };
     let requests = match table {
         Table::Settings(peers) => peers.configs(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
         Table::Claims(_) => Vec::new(),
         Table::Study(study) => return vec![(study.tracers)()],
     };
-    requests.iter().map(row).unique().collect()
+    requests.iter().map(TracerRequest::argument).unique().collect()
 }
 
 fn tables() -> Vec<Value> {

@@ -1,9 +1,10 @@
 //! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | compare | merge | report | picture |
-//! stability | explain | rays | judge`.
+//! stability | attack | explain | rays | judge`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
+mod attack;
 mod clock;
 mod compare;
 mod doctor;
@@ -88,6 +89,8 @@ enum Verb {
     Picture(arguments::PictureArguments),
     /// Run minimal scenes of one difficulty each and compare what tracers get wrong with what is expected of them.
     Stability(stability::StabilityArguments),
+    /// Search for the poses at which tracers are wrong the most, and make what is wrong there small.
+    Attack(attack::AttackArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
     Explain(explain::ExplainArguments),
     /// Write rays with their truth, and the scene, as arrays that any program reads.
@@ -179,6 +182,7 @@ pub fn main() -> ExitCode {
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
+        Verb::Attack(arguments) => attack::attack(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
         Verb::Rays(arguments) => judge::rays(arguments, &progress),
         Verb::Judge(arguments) => judge::judge(arguments, &progress),

@@ -13,7 +13,7 @@ use crate::exchange;
 use crate::papers::Experiment;
 use crate::peers;
 use crate::plan::{SceneSource, TracerRequest};
-use crate::rays::{self, RAY_SETS, RaySet};
+use crate::rays::{self, HOSTILE, RAY_SETS, RaySet};
 use crate::registry::{self, TRACERS};
 use crate::tables::Table;
 
@@ -123,11 +123,11 @@ pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
     if parts(list, "--rays")?.contains(&"all") {
         return Ok(RAY_SETS.to_vec());
     }
-    let known: Vec<&str> = RAY_SETS.iter().map(|set| set.name).collect();
+    let known: Vec<&str> = RAY_SETS.iter().chain([&HOSTILE]).map(|set| set.name).collect();
     let find = |name: &str| match name.strip_prefix("file:") {
         Some(folder) => Ok(exchange::ray_set(Path::new(folder))?),
         None => {
-            let set = RAY_SETS.iter().find(|set| set.name == name).copied();
+            let set = RAY_SETS.iter().chain([&HOSTILE]).find(|set| set.name == name).copied();
             set.ok_or_else(|| unknown("ray set", name, &known))
         }
     };

@@ -3,7 +3,7 @@
 //! what it declares and the status. A cause needs evidence; what has none is unexplained.
 
 use glam::DVec3;
-use tracebench_api::{Hit, Layers, LineOfSight, Projected, SampledImage, Status};
+use tracebench_api::{Hit, Layers, LineOfSight, Projected, Query, Ray, SampledImage, Status};
 
 use super::march::{Look, Passage};
 use super::voxels::{Voxels, between};
@@ -55,12 +55,17 @@ pub const STEP_CAP: &str = "step_cap";
 pub const THICKNESS_REJECTED: &str = "thickness_rejected";
 /// The tracer passed through space that its last layer hides: it says so, and the ray went behind a surface that a view shows.
 pub const BEHIND_LAST_LAYER: &str = "behind_last_layer";
+/// The answer is right of the ray in which all numbers below the least normal one are 0: devices may take them for that.
+pub const FLUSHED_DENORMALS: &str = "flushed_denormals";
 /// The tracer made the hit up where its layers hide something.
 pub const INPAINTED: &str = "inpainted";
 
 impl Judge<'_> {
     /// The cause of a wrong answer; `voxels`: what explains those through voxels.
     pub(super) fn cause(&self, index: usize, hit: &Hit, class: Class, voxels: Option<&Voxels<'_>>) -> &'static str {
+        if self.is_right_without_denormals(index, hit) {
+            return FLUSHED_DENORMALS;
+        }
         let ray = Ray64::from(&self.rays[index]);
         if matches!(class, Class::Early | Class::Late) && self.class(Rule::Footprint, index, hit) == Class::TrueHit {
             return WITHIN_FOOTPRINT;
@@ -76,6 +81,20 @@ impl Judge<'_> {
             (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
             _ => self.cause_of_invention(index, &ray, hit),
         }
+    }
+
+    /// Whether a ray has denormal numbers, and an answer is right of the one in which they are 0.
+    fn is_right_without_denormals(&self, index: usize, hit: &Hit) -> bool {
+        let Ray { origin, t_min, direction, t_max } = self.rays[index];
+        let flushed = |part: f32| if part.is_subnormal() { 0.0 } else { part };
+        let (origin, direction) = (origin.map(flushed), direction.map(flushed));
+        let ray = Ray { origin, t_min: flushed(t_min), direction, t_max: flushed(t_max) };
+        if ray == self.rays[index] {
+            return false;
+        }
+        let answers = [self.truth.answer_one(&Ray64::from(&ray), self.query)];
+        let rule = if self.query == Query::Any { Rule::HitMiss } else { Rule::Tight };
+        Judge { rays: &[ray], answers: &answers, ..*self }.class(rule, 0, hit).is_right()
     }
 
     /// Whether it is declared how rays are traced over the images.

@@ -164,7 +164,7 @@ impl Journal {
     }
 
     /// What was kept under a name; `None` if there is nothing, or no whole document of the kind.
-    pub(super) fn read<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, JournalError> {
+    pub(crate) fn read<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, JournalError> {
         let kept = self.kept.borrow_mut().remove(name);
         // An interleaved set that cannot be read, or is another one, is run again.
         let ended = kept.and_then(|text| serde_json::from_slice::<Ended<T>>(&text).ok());
@@ -173,7 +173,7 @@ impl Journal {
     }
 
     /// Keeps what has ended.
-    pub(super) fn keep(&self, name: &str, ended: &impl Serialize) -> Result<(), JournalError> {
+    pub(crate) fn keep(&self, name: &str, ended: &impl Serialize) -> Result<(), JournalError> {
         let Some(folder) = &self.folder else { return Ok(()) };
         let (file, plan_sha256) = (format!("{FOLDER}{name}.json"), self.plan_sha256.clone());
         let ended = Ended { plan_sha256, name: name.to_owned(), ended };

@@ -30,6 +30,7 @@ pub use resident_batch::MAX_RESIDENT;
 pub(crate) use resident_batch::measure;
 pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_scene, nothing, refuse};
+pub(crate) use scene::SceneTruth;
 pub use scene::{LoadedScene, choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;
 pub use tracer_config::{BuildSample, TracerCache, TracerConfig};
@@ -38,6 +39,7 @@ pub(crate) use workload::{
     AnimationFrames, MeasureOptions, Measured, Observations, PreparedWorkload, Refusal, Request, Workload,
 };
 
+use crate::exchange::ExchangeError;
 use crate::viewpoint::PoseError;
 
 /// Why a run could not be finished.
@@ -67,6 +69,9 @@ pub enum RunError {
     /// A control failed.
     #[error("the record is invalid: {0}")]
     Control(String),
+    /// Rays could not be written as files.
+    #[error("rays cannot be written: {0}")]
+    Exchange(#[from] ExchangeError),
     /// A picture of answers could not be made.
     #[error("a picture of answers cannot be made: {0}")]
     Picture(String),

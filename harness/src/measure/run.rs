@@ -62,7 +62,15 @@ impl<'a> Context<'a> {
     /// # Errors
     /// What the tracer says.
     pub(crate) fn create(&self, request: &TracerRequest) -> Result<(), TracerError> {
-        self.tracer_cache.borrow_mut().config(request, self.device).map(drop)
+        self.config(request).map(drop)
+    }
+
+    /// A tracer without a structure.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub(crate) fn config(&self, request: &TracerRequest) -> Result<TracerConfig, TracerError> {
+        self.tracer_cache.borrow_mut().config(request, self.device)
     }
 
     /// A stand-in for a configuration that cannot be created.

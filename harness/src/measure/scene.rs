@@ -1,7 +1,10 @@
 //! Scenes as they are measured: loaded, with a viewpoint, rays and truth.
 
-use tracebench_api::Geometry;
-use tracebench_scenes::{Camera, Material, Mesh, Scene, SceneError};
+use std::convert::identity;
+use std::sync::Arc;
+
+use tracebench_api::{Geometry, Gpu};
+use tracebench_scenes::{Camera, CameraPath, Material, Mesh, Scene, SceneError};
 
 use super::session::{RayRequest, Session};
 use super::{RunError, records};
@@ -112,28 +115,68 @@ pub fn prepare(
     for warning in &scene.notes.warnings {
         progress.say(&format!("  warning: {warning}"));
     }
-    let gpu = device.as_ref().ok();
-    let record = records::scene_record(&scene);
     progress.say("  ground truth");
-    let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
-    let mirrors: Vec<bool> = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
-    let Mesh { positions, triangles, triangle_materials, .. } = scene.mesh;
-    let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.map(AsRef::as_ref))?;
-    let truth = Truth::new(&geometry, &scene.sha256);
-    let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
-    let viewpoint = pose.viewpoint(&geometry, plan.preset.frame, plan.preset.face);
-    let request = RayRequest {
-        sets: &plan.ray_sets,
-        image: plan.preset.ray_image,
-        seed: plan.seed,
-        parameters: &plan.ray_parameters,
-        path: scene.camera_path.as_ref(),
-        mirrors: &mirrors,
-    };
-    let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
-    Ok(LoadedScene {
-        record,
-        pose,
-        session: session.tracing_to(plan.trace_to).keeping_wrong_rays(plan.wrong_rays_per_cause),
-    })
+    let scene = SceneTruth::new(scene, device, identity)?;
+    let pose = choose_pose(&plan.view, &scene.record.name, &scene.cameras, &scene.truth)?;
+    scene.seen_from(plan, pose, cache, progress)
+}
+
+/// A scene with its truth, to be seen from any number of poses.
+pub(crate) struct SceneTruth {
+    /// Its record.
+    pub record: SceneRecord,
+    /// Its triangles and their truth.
+    pub truth: Arc<Truth>,
+    /// Its cameras.
+    pub cameras: Vec<Camera>,
+    /// For every triangle whether it is a mirror.
+    mirrors: Vec<bool>,
+    path: Option<CameraPath>,
+    gpu: Option<Arc<Gpu>>,
+}
+
+impl SceneTruth {
+    /// Uploads a scene where there is a device, and makes what its truth is told from, as `audited` says.
+    ///
+    /// # Errors
+    /// [`RunError::Device`] if it is no scene for it.
+    pub(crate) fn new(scene: Scene, device: &Device, audited: fn(Truth) -> Truth) -> Result<Self, RunError> {
+        let gpu = device.as_ref().ok().cloned();
+        let record = records::scene_record(&scene);
+        let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
+        let mirrors = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
+        let Mesh { positions, triangles, triangle_materials, .. } = scene.mesh;
+        let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.as_deref())?;
+        let truth = Arc::new(audited(Truth::new(&geometry, &scene.sha256)));
+        Ok(Self { record, truth, cameras: scene.cameras, mirrors, path: scene.camera_path, gpu })
+    }
+
+    /// The scene from a pose, with the plan's rays and their truth.
+    ///
+    /// # Errors
+    /// [`RunError`] as its variants say.
+    pub(crate) fn seen_from(
+        &self,
+        plan: &Plan,
+        pose: Pose,
+        cache: &Cache,
+        progress: &Progress,
+    ) -> Result<LoadedScene, RunError> {
+        let viewpoint = pose.viewpoint(self.truth.geometry(), plan.preset.frame, plan.preset.face);
+        let request = RayRequest {
+            sets: &plan.ray_sets,
+            image: plan.preset.ray_image,
+            seed: plan.seed,
+            parameters: &plan.ray_parameters,
+            path: self.path.as_ref(),
+            mirrors: &self.mirrors,
+        };
+        let truth = Arc::clone(&self.truth);
+        let session = Session::new(&self.record.name, truth, viewpoint, request, self.gpu.clone(), cache, progress)?;
+        Ok(LoadedScene {
+            record: self.record.clone(),
+            pose,
+            session: session.tracing_to(plan.trace_to).keeping_wrong_rays(plan.wrong_rays_per_cause),
+        })
+    }
 }

@@ -77,7 +77,7 @@ pub struct SamplingModel {
 /// One scene from one viewpoint.
 pub struct Session {
     gpu: Option<Arc<Gpu>>,
-    truth: Truth,
+    truth: Arc<Truth>,
     viewpoint: Viewpoint,
     trace_to: TraceTo,
     wrong_rays_per_cause: usize,
@@ -113,13 +113,14 @@ impl Session {
     /// [`SessionError`] if the truth fails its audit or the device cannot hold the rays.
     pub fn new(
         scene_name: &str,
-        truth: Truth,
+        truth: impl Into<Arc<Truth>>,
         viewpoint: Viewpoint,
         request: RayRequest<'_>,
         gpu: Option<Arc<Gpu>>,
         cache: &Cache,
         progress: &Progress,
     ) -> Result<Self, SessionError> {
+        let truth = truth.into();
         let primary = Arc::new(rays::primary_rays(&viewpoint, request.image));
         // Most other sets start from the primary hits, so these are always told.
         let answers = Arc::new(truth.answer(&primary, Query::Closest, cache, progress)?);
@@ -174,31 +175,32 @@ impl Session {
     /// # Errors
     /// [`SessionError`] if the truth fails its audit.
     pub fn of_rays(
-        truth: Truth,
+        truth: impl Into<Arc<Truth>>,
         viewpoint: Viewpoint,
         set: RaySet,
         rays: Vec<Ray>,
         gpu: Option<Arc<Gpu>>,
     ) -> Result<Self, SessionError> {
-        let rays = Arc::new(rays);
+        let (truth, rays) = (truth.into(), Arc::new(rays));
         let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
         let eye = Some(viewpoint.eye.as_dvec3());
-        Ok(Self { gpu, ..Self::of_answered(truth, viewpoint, set, (rays, answers), eye) })
+        let rays = vec![PreparedRays::new(set, (rays, answers), eye, gpu.as_deref())];
+        Ok(Self::with(truth, viewpoint, gpu, rays, Vec::new()))
     }
 
     /// Takes rays and truth that are there, without a device. `eye`: see [`PreparedRays::eye`].
     pub fn of_answered(
-        truth: Truth,
+        truth: impl Into<Arc<Truth>>,
         viewpoint: Viewpoint,
         set: RaySet,
         known: (Arc<Vec<Ray>>, Arc<Vec<Answer>>),
         eye: Option<DVec3>,
     ) -> Self {
-        Self::with(truth, viewpoint, None, vec![PreparedRays::new(set, known, eye, None)], Vec::new())
+        Self::with(truth.into(), viewpoint, None, vec![PreparedRays::new(set, known, eye, None)], Vec::new())
     }
 
     fn with(
-        truth: Truth,
+        truth: Arc<Truth>,
         viewpoint: Viewpoint,
         gpu: Option<Arc<Gpu>>,
         rays: Vec<PreparedRays>,

@@ -61,7 +61,7 @@ impl MeasureOptions {
     }
 
     /// Everything once.
-    pub fn untimed() -> Self {
+    pub const fn untimed() -> Self {
         let sampling = SampleSchedule::rounds(0);
         Self { sampling, seed: 0, timed: false, builds_timed: true, validated: true, counted: true, lenient: false }
     }

@@ -2,6 +2,7 @@
 
 mod centres;
 mod eye;
+mod hostile;
 mod order;
 mod parameters;
 pub(crate) mod sampling;
@@ -57,6 +58,7 @@ enum Kind {
     Temporal,
     Lens,
     LightField,
+    Hostile,
     Given,
     /// By their place among those that were kept.
     Saved(usize),
@@ -86,7 +88,20 @@ impl RaySet {
     pub const fn given(name: &'static str, query: Query) -> Self {
         Self { name, query, summary: "given", parameters: &[], kind: Kind::Given }
     }
+
+    /// Whether its rays are made to be ambiguous.
+    pub fn is_hostile(&self) -> bool {
+        self.kind == Kind::Hostile
+    }
 }
+
+/// Rays at which tests break: asked for by name alone, as many of them are ambiguous.
+pub const HOSTILE: RaySet = set(
+    "hostile",
+    Kind::Hostile,
+    &[],
+    "through vertices and borders, along edges and axes, with -0.0 and denormals, of no length, from far away and on surfaces",
+);
 
 /// Every ray set.
 pub const RAY_SETS: &[RaySet] = &[
@@ -293,6 +308,7 @@ pub fn make(
         Kind::Temporal => eye::temporal(scene),
         Kind::Lens => eye::lens(scene, primary),
         Kind::LightField => eye::light_field(scene),
+        Kind::Hostile => hostile::hostile(scene),
         // Their owner has them.
         Kind::Given | Kind::Saved(_) => Vec::new(),
     };

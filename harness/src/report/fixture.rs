@@ -116,6 +116,7 @@ pub(crate) fn run(configs: &[(&str, Quality)], sets: &[(&str, Query)]) -> Record
         explanation: None,
         pareto: None,
         need: None,
+        attack: None,
         judged: None,
         ray_parameters: BTreeMap::new(),
         control_names: crate::measure::controls::Control::names(),

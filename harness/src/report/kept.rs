@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::hash::sha256_of;
-use crate::results::{FrontScene, PICTURES_FOLDER, Record};
+use crate::results::{PICTURES_FOLDER, Record};
 
 /// Hexadecimal digits of a name.
 const DIGITS: usize = 32;
@@ -35,8 +35,7 @@ pub(crate) fn picture(path: &Path, name: &str) -> Kept {
 
 /// The pictures that a record names and under whose names something else lies.
 pub fn others(path: &Path, record: &Record) -> Vec<String> {
-    let files: BTreeSet<&str> =
-        record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files).collect();
+    let files: BTreeSet<&str> = super::picture_files(record).collect();
     files.into_iter().filter(|name| picture(path, name) == Kept::Other).map(str::to_owned).collect()
 }
 

@@ -3,6 +3,7 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
+mod attack;
 mod beside;
 mod calibration;
 pub(crate) mod cells;
@@ -48,6 +49,7 @@ use std::path::{Path, PathBuf};
 use liblzma::bufread::XzDecoder;
 use serde::Deserialize;
 
+pub use attack::ATTACK_PAGE;
 pub use chart::without_images;
 pub use check::check;
 pub use compare::comparison_text;
@@ -63,7 +65,7 @@ pub use terminal::run_table;
 pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
-use crate::results::{FrontScene, PICTURES_FOLDER, Record, SCHEMA};
+use crate::results::{AttackRecord, FrontScene, PICTURES_FOLDER, Record, SCHEMA};
 use document::Document;
 use group::Group;
 use kept::Kept;
@@ -166,6 +168,7 @@ const STUDIES: &[Study] = &[
     study("stability", Section::Matrix, &[], |record| record.cases.is_some(), stability::report),
     study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), pareto::report),
     study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), need::report),
+    study("attack", Section::Study, &[], |record| record.attack.is_some(), attack::report),
     study("explain", Section::Study, &[], |record| record.explanation.is_some(), explain::report),
     study("judge", Section::Run, &chart::STEMS, |record| record.judged.is_some(), of_run),
     study("sweep", Section::Study, &chart::STEMS, |record| record.sweep.is_some(), of_run),
@@ -199,7 +202,7 @@ impl Study {
 pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// What the names of derived files begin with, up to a dot or an underscore.
-const BEGINNINGS: &str = "agreement_over_tolerance break_even claims error_vs explain figure need operating_points pareto rows stability \
+const BEGINNINGS: &str = "agreement_over_tolerance attack break_even claims error_vs explain figure need operating_points pareto rows stability \
                           summary sweep table tune verdicts wrong_rays";
 
 /// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
@@ -245,7 +248,8 @@ pub fn take_pictures(record: &Record, from: &[PathBuf], folder: &OutputFolder) -
 
 /// The pictures that a record names.
 fn picture_files(record: &Record) -> impl Iterator<Item = &str> {
-    record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files)
+    let of_fronts = record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files);
+    of_fronts.chain(record.attack.iter().flat_map(AttackRecord::picture_files))
 }
 
 /// Writes what is derived from a record and gives the paths: the pages, tables and charts of what was asked.

@@ -6,8 +6,8 @@ use tracebench_api::Query;
 
 use super::values::Checked;
 use super::{
-    Classes, InterleavedSetRecord, Judgement, Percentiles, Provenance, RULES_VERSION, Record, Row, Times, TraceRecord,
-    TrueCounts,
+    Classes, InterleavedSetRecord, Judgement, Percentiles, PoseRecord, Provenance, RULES_VERSION, Record, Row, Times,
+    TraceRecord, TrueCounts,
 };
 use crate::statistics::median;
 
@@ -72,6 +72,15 @@ impl Record {
                     let rule = "a number for the tracer as it was asked for and one for each of `remedies`";
                     all(at, [("wrong_by_remedy", set.wrong_by_remedy.len() == steps, rule)])
                 })
+            })?;
+        }
+        if let Some(attack) = &self.attack {
+            each("attack.searches", &attack.searches, |at, search| {
+                let sound = |pose: &PoseRecord| pose.wrong <= pose.judged;
+                let all_sound = search.found.iter().chain([&search.random]).all(sound);
+                let rules =
+                    [("found", !search.found.is_empty(), "filled"), ("wrong", all_sound, "no more than `judged`")];
+                all(at, rules)
             })?;
         }
         if let Some(pareto) = &self.pareto {

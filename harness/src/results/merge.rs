@@ -110,6 +110,10 @@ fn join(whole: &mut Record, mut shard: Record, machine: u32) {
         }
         whole.scenes.extend(shard.scenes);
     }
+    if let (Some(whole), Some(shard)) = (&mut whole.attack, shard.attack) {
+        whole.viewpoints.extend(shard.viewpoints);
+        whole.searches.extend(shard.searches);
+    }
     if let (Some(whole), Some(shard)) = (&mut whole.need, shard.need) {
         whole.curves.extend(shard.curves);
     }

@@ -6,6 +6,7 @@
 //!
 //! docs/record.md describes each field; the schema number changes whenever a field changes its meaning or goes.
 
+mod attack;
 mod cases;
 mod explanation;
 mod fault;
@@ -32,6 +33,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use attack::{AttackRecord, PoseRecord, SearchRecord, ShrunkRecord};
 pub use cases::{
     CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
     UnexpectedOutcome, Wrong,
@@ -112,6 +114,9 @@ pub struct Record {
     /// Structures that were shrunk until answers got worse.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub need: Option<NeedRecord>,
+    /// The poses at which tracers are wrong the most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub attack: Option<AttackRecord>,
     /// Answers of a program that is no tracer of this suite.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judged: Option<JudgedRecord>,
@@ -174,6 +179,7 @@ impl Record {
             ("judge", self.judged.is_some()),
             ("pareto", self.pareto.is_some()),
             ("need", self.need.is_some()),
+            ("attack", self.attack.is_some()),
             ("table", self.updates.is_some() || self.table.is_some()),
             ("sweep", self.sweep.is_some()),
         ];
@@ -182,6 +188,7 @@ impl Record {
 
     /// Whether it is of a kind that takes no times: its rows have no samples.
     pub fn is_untimed(&self) -> bool {
-        self.tuning.is_some() || self.cases.is_some() || self.explanation.is_some() || self.judged.is_some()
+        let studies = [self.tuning.is_some(), self.cases.is_some(), self.explanation.is_some(), self.judged.is_some()];
+        studies.contains(&true) || self.attack.is_some()
     }
 }

@@ -1,6 +1,7 @@
 //! Studies: what is asked beyond a plain run, as requests in and rows out. Each says what is to be measured; measuring is
 //! [`crate::measure`]'s.
 
+pub mod attack;
 pub mod clock;
 pub mod explain;
 pub mod judge;

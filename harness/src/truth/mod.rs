@@ -44,6 +44,7 @@ const MIN_COORDINATE_DIAGONALS: f64 = 1e-4;
 
 /// Rays of each set that are audited by brute force, at most; fewer in large scenes, but never fewer than four.
 const AUDITED_RAYS: usize = 32;
+const MIN_AUDITED_RAYS: usize = 4;
 /// Triangle tests that an audit may cost.
 const AUDIT_TESTS: usize = 20_000_000;
 
@@ -149,6 +150,8 @@ pub struct Truth {
     hierarchy: Hierarchy,
     diagonal: f64,
     pieces: OnceLock<Pieces>,
+    /// How many rays of each set are audited, at most.
+    audited_rays: usize,
 }
 
 impl Truth {
@@ -160,7 +163,14 @@ impl Truth {
             hierarchy: Hierarchy::new(geometry),
             diagonal: geometry.diagonal(),
             pieces: OnceLock::new(),
+            audited_rays: AUDITED_RAYS,
         }
+    }
+
+    /// The same that audits the fewest rays of each set: for sets of many trials, of which what counts is told and audited anew.
+    #[must_use]
+    pub fn lightly_audited(self) -> Self {
+        Self { audited_rays: MIN_AUDITED_RAYS, ..self }
     }
 
     /// The scene's triangles.
@@ -315,7 +325,7 @@ impl Truth {
     }
 
     fn audit(&self, rays: &[Ray], answers: &[Answer], cache: &Cache) -> Result<(), TruthError> {
-        let wanted = (AUDIT_TESTS / self.geometry.triangles.len()).clamp(4, AUDITED_RAYS);
+        let wanted = (AUDIT_TESTS / self.geometry.triangles.len()).clamp(MIN_AUDITED_RAYS, self.audited_rays);
         let stride = rays.len().div_ceil(wanted).max(1);
         let audited: Vec<usize> = (0..rays.len()).step_by(stride).collect();
         let disagreement = audited.par_iter().find_map_first(|&ray| {

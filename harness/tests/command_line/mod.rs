@@ -1,5 +1,6 @@
 //! The program as scripts use it: exit statuses, messages, files.
 
+mod attacks;
 mod clock;
 mod compare;
 mod exchange;

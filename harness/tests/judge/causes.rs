@@ -2,6 +2,19 @@
 
 use super::*;
 
+/// A ray with a number that devices may take for 0 is told apart where the answer is that of the ray with 0 in its place; without such a
+/// number, or with another answer, it is not.
+#[test]
+fn cause_flushed_denormals() {
+    let mut case = Case::new(framed(plate()), vec![Ray { t_min: 1e-40, ..down(0.2, 0.3, 1.0) }], Query::Closest);
+    // As if the hit were before `t_min`.
+    case.answers = vec![Answer { hit: None, perturbed: None }];
+    assert_eq!(case.cause("tight", &[hit(1.0)]), "flushed_denormals");
+    assert_ne!(case.cause("tight", &[hit(0.5)]), "flushed_denormals");
+    case.rays = Arc::new(vec![down(0.2, 0.3, 1.0)]);
+    assert_ne!(case.cause("tight", &[hit(1.0)]), "flushed_denormals");
+}
+
 /// A view from z = 2 down onto the plane z = 0, of 64 x 64 pixels and 90 degrees: it shows |x|, |y| < 2 there, a pixel
 /// is 1/16 wide.
 fn view() -> View {

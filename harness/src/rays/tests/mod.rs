@@ -2,6 +2,7 @@
 
 mod from_eyes;
 mod from_surfaces;
+mod hostile;
 
 use std::collections::BTreeSet;
 
@@ -76,17 +77,25 @@ impl TestScene {
     }
 
     fn try_make(&self, name: &str) -> Result<Vec<Ray>, RayError> {
+        let set = RAY_SETS.iter().find(|set| set.name == name).unwrap();
+        self.try_made(set, IMAGE).map(|made| made.rays.to_vec())
+    }
+
+    fn made(&self, set: &RaySet, image: [u32; 2]) -> GeneratedRays {
+        self.try_made(set, image).unwrap()
+    }
+
+    fn try_made(&self, set: &RaySet, image: [u32; 2]) -> Result<GeneratedRays, RayError> {
         let scene = RayScene {
             truth: &self.truth,
             viewpoint: &self.viewpoint,
             path: self.path.as_ref(),
             mirrors: &self.mirrors,
-            image: IMAGE,
+            image,
             seed: self.seed,
             parameters: &RayParameters::try_from(&self.parameters).unwrap(),
         };
-        let set = RAY_SETS.iter().find(|set| set.name == name).unwrap();
-        make(set, &scene, &self.primary(), |rays| Ok(self.tell(rays))).map(|made| made.rays.to_vec())
+        make(set, &scene, &self.primary(), |rays| Ok(self.tell(rays)))
     }
 
     fn make(&self, name: &str) -> Vec<Ray> {

@@ -11,7 +11,7 @@ mod field;
 mod front;
 mod noise;
 mod operating;
-mod pictures;
+pub(super) mod pictures;
 #[cfg(test)]
 mod tests;
 mod verdicts;

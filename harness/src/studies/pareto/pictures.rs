@@ -81,7 +81,7 @@ fn answered(hit: &Hit) -> Option<f64> {
 }
 
 /// Writes a picture beside the record, and gives its name.
-fn keep(painted: &Painted, results: &OutputFolder) -> Result<String, RunError> {
+pub(in crate::studies) fn keep(painted: &Painted, results: &OutputFolder) -> Result<String, RunError> {
     let bytes = painted.png().map_err(|error| RunError::Picture(error.to_string()))?;
     let name = format!("{}.png", &sha256_of(&bytes)[..32]);
     let written = results.write(&format!("{PICTURES_FOLDER}/{name}"), &bytes);

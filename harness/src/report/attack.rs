@@ -1,0 +1,85 @@
+//! `attack.md`: where tracers are wrong the most, beside their scene's own viewpoint and random poses.
+
+use super::document::Document;
+use super::sheet::{Cell, Sheet};
+use super::{Report, ReportError, Tables, group, rows, summary};
+use crate::results::{Accuracy, AttackRecord, PICTURES_FOLDER, PoseRecord, Record, SearchRecord, TraceRecord};
+use crate::studies::attack::FINER;
+
+/// The page's file.
+pub const ATTACK_PAGE: &str = "attack.md";
+
+/// Causes that a cell names.
+const TOP_CAUSES: usize = 3;
+
+/// What is made of searches.
+pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
+    let Some(attack) = &record.attack else { return Ok(Report::default()) };
+    let of_rows = rows(record, &group::groups(record), Sheet::new(), |_| None::<()>);
+    Ok(Report::of_page(ATTACK_PAGE, page(record, attack)).and(of_rows))
+}
+
+fn page(record: &Record, attack: &AttackRecord) -> Document {
+    let trace = |search: &SearchRecord, viewpoint: &str| search.trace(record, viewpoint);
+    let accuracy = |trace: Option<&TraceRecord>| trace.and_then(|trace| attack.accuracy(trace));
+    let right = |trace: Option<&TraceRecord>| accuracy(trace).map_or(Cell::None, Cell::Accuracy);
+    let causes = |trace: Option<&TraceRecord>| {
+        let causes = trace.map(|trace| attack.causes(trace)).unwrap_or_default().into_iter().take(TOP_CAUSES);
+        causes.map(|(cause, rays)| format!("{cause} {rays}")).collect::<Vec<_>>().join(", ")
+    };
+    let worst = |search: &SearchRecord| trace(search, &search.found[0].viewpoint);
+    let sheet = Sheet::<SearchRecord>::new()
+        .column("scene", |search| Cell::Name(search.scene.clone()))
+        .column("tracer", |search| search.tracer.label())
+        .column("rays", |search| search.rays.clone())
+        .column("trials", |search| search.trials)
+        .column("right at the scene's viewpoint", |search| right(trace(search, attack.viewpoint_of(&search.scene))))
+        .column("at the worst random pose", |search| right(trace(search, &search.random.viewpoint)))
+        .column("at the worst pose found", |search| right(worst(search)))
+        .column("worse than random", |search| {
+            let interval = |trace| accuracy(trace).and_then(|Accuracy { interval, .. }| interval);
+            let (found, random) = (interval(worst(search))?, interval(trace(search, &search.random.viewpoint))?);
+            Some(match () {
+                () if found[1] < random[0] => "yes",
+                () if random[1] < found[0] => "no",
+                () => "undecided",
+            })
+        })
+        .column("causes there", |search| causes(worst(search)));
+    let words = format!(
+        "Every trial traces rays from {0}x{1} pixels of an admissible pose. Shares are of fresh rays, of another seed and an image {FINER} times as \
+         fine along each edge, under `{2}` (of any-hit rays the balanced accuracy).",
+        attack.trial_image[0],
+        attack.trial_image[1],
+        attack.rule.name()
+    );
+    let poses = |search: &SearchRecord| {
+        let fresh = |pose: &PoseRecord| trace(search, &pose.viewpoint);
+        let sheet = Sheet::<PoseRecord>::new()
+            .column("pose", |pose| pose.viewpoint.clone())
+            .column("--view", |pose| format!("`{}`", pose.view))
+            .column("time (s)", |pose| Cell::number(pose.time_s, 4))
+            .column("scale", |pose| Cell::number(pose.scale, 4))
+            .column("trial", |pose| pose.trial)
+            .column("wrong in the trial", |pose| format!("{} of {}", pose.wrong, pose.judged))
+            .column("right of fresh rays", |pose| right(fresh(pose)))
+            .column("causes", |pose| causes(fresh(pose)))
+            .column("classes", |pose| pose.picture.as_ref().map(|name| format!("`{PICTURES_FOLDER}/{name}`")));
+        let all: Vec<PoseRecord> = search.found.iter().chain([&search.random]).cloned().collect();
+        let small = search.shrunk.iter().map(|small| {
+            let (rays, triangles) = (small.rays, small.triangles);
+            let words = format!(
+                "Made small, with the cause `{}`: rays {rays}, triangles {triangles} and {} that keep the bounds. \
+                 From the folder of the record: `{}`",
+                small.cause, small.markers, small.command
+            );
+            Document::of(words)
+        });
+        let title = format!("{}, {}, {}", search.scene, search.tracer.label(), search.rays);
+        Document::default().heading(2, title).table(sheet.table(&all)).and(small)
+    };
+    let head = summary::head(record, "Where tracers are wrong the most").paragraph(words);
+    head.table(sheet.table(&attack.searches))
+        .and(attack.searches.iter().map(poses))
+        .and(summary::skipped(&record.skipped))
+}

@@ -1,0 +1,285 @@
+//! That planted faults are found and made small, that searches repeat, and that a longer one begins with the shorter one.
+
+use std::sync::{Arc, LazyLock};
+
+use rayon::ThreadPoolBuilder;
+use tracebench_api::{
+    Counter, Geometry, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Status, Structure, TraceJob,
+    TraceTo, Tracer, TracerDescription, TracerError, Update, Viewpoint,
+};
+
+use super::shrink::minimal;
+use super::*;
+use crate::files::OutputFolder;
+use crate::judge::WRONG_RAYS_PER_CAUSE;
+use crate::machine;
+use crate::measure::Journal;
+use crate::measure::controls::Control;
+use crate::plan::SceneSource;
+use crate::progress::Progress;
+use crate::rays::{HOSTILE, RAY_SETS, default_parameters};
+use crate::registrations::{Family, Registration};
+use crate::registry::Device;
+use crate::truth::{Cache, Ray64, Truth};
+
+/// What a tracer does that answers the truth else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fault {
+    /// Nothing.
+    None,
+    /// It loses the triangle with [`LOST`]'s corners.
+    Lost,
+    /// Its hits in the last tenth of the bounds along x are a tenth too far.
+    Far,
+    /// It refuses all rays.
+    Refusing,
+}
+
+/// Corners of a triangle of the small room: not of the largest, nor of the smallest.
+static LOST: LazyLock<[[f32; 3]; 3]> = LazyLock::new(|| {
+    let mesh = tracebench_scenes::procedural("room", 0.05).unwrap().mesh;
+    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| mesh.positions[vertex as usize]);
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = corners(triangle).map(glam::Vec3::from);
+        (b - a).cross(c - a).length()
+    };
+    let mut triangles = mesh.triangles.clone();
+    triangles.sort_by(|one, other| area(one).total_cmp(&area(other)));
+    corners(&triangles[triangles.len() * 97 / 100])
+});
+
+struct Planted {
+    fault: Fault,
+    truth: Option<Truth>,
+}
+
+impl Tracer for Planted {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        _: &Viewpoint,
+        _: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        clock.host_phase("nothing", || ());
+        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| geometry.positions[vertex as usize]);
+        let is_kept = |triangle: &&[u32; 3]| self.fault != Fault::Lost || corners(triangle) != *LOST;
+        let triangles = geometry.triangles.iter().filter(is_kept).copied().collect();
+        let kept = Geometry::new(geometry.positions.to_vec(), triangles, None)?;
+        Ok(Box::new(Self { fault: self.fault, truth: Some(Truth::new(&kept, "planted")) }))
+    }
+}
+
+impl Structure for Planted {
+    fn update(
+        &mut self,
+        _: Update,
+        _: &Geometry,
+        _: &Viewpoint,
+        _: &Parameters,
+        _: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        Ok(())
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        if self.fault == Fault::Refusing {
+            return Err(TracerError::Unsupported("rays of any kind".to_owned()));
+        }
+        let truth = self.truth.as_ref().unwrap();
+        let (low, high) = (truth.geometry().bounds_min.x, truth.geometry().bounds_max.x);
+        let border = f64::from(low) + 0.9 * f64::from(high - low);
+        let answer = |ray: &tracebench_api::Ray| {
+            let ray = Ray64::from(ray);
+            let Some(hit) = truth.closest(&ray) else { return Hit::miss(Status::Miss) };
+            let is_far = self.fault == Fault::Far && ray.at(hit.t).x > border;
+            let t = if is_far { 1.1 * hit.t } else { hit.t } as f32;
+            Hit { t, primitive: hit.primitive, u: 0.0, v: 0.0, status: Status::Hit as u32 }
+        };
+        let hits = hits.host_mut(job.rays.host.len())?;
+        clock.host_phase("answer", || {
+            hits.iter_mut().zip(job.rays.host.iter()).for_each(|(hit, ray)| *hit = answer(ray))
+        });
+        Ok(())
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.trace(job, hits, &mut PhaseClock::new(None))?;
+        Ok(Vec::new())
+    }
+
+    fn memory(&self) -> MemoryReport {
+        MemoryReport::default()
+    }
+
+    fn validate(&self, _: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        Ok(Vec::new())
+    }
+}
+
+fn planted(fault: Fault) -> TracerRequest {
+    fn tracer(fault: Fault) -> Result<Box<dyn Tracer>, TracerError> {
+        Ok(Box::new(Planted { fault, truth: None }))
+    }
+    fn described(name: &'static str) -> TracerDescription {
+        TracerDescription { name, ..Control::AlwaysMiss.description() }
+    }
+    let registration = match fault {
+        Fault::None => Registration::sampled(|| described("sound"), Family::Bvh, |_| tracer(Fault::None)),
+        Fault::Lost => Registration::sampled(|| described("losing"), Family::Bvh, |_| tracer(Fault::Lost)),
+        Fault::Far => Registration::sampled(|| described("far"), Family::Bvh, |_| tracer(Fault::Far)),
+        Fault::Refusing => Registration::sampled(|| described("refusing"), Family::Bvh, |_| tracer(Fault::Refusing)),
+    };
+    TracerRequest::of(&registration, Preset::Published)
+}
+
+fn plan(tracers: &[TracerRequest], rays: RaySet) -> Plan {
+    let preset = RunPreset { ray_image: [48, 24], ..RunPreset::named("smoke").unwrap() };
+    Plan {
+        scenes: vec![SceneSource::Catalogue("room".to_owned())],
+        tracers: tracers.to_vec(),
+        ray_sets: vec![rays],
+        ray_parameters: default_parameters(),
+        preset,
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 1,
+        trace_to: TraceTo::Hit,
+        wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
+        table: None,
+    }
+}
+
+fn diffuse() -> RaySet {
+    *RAY_SETS.iter().find(|set| set.name == "diffuse").unwrap()
+}
+
+fn options(trials: u32) -> AttackOptions {
+    AttackOptions { rule: Rule::Tight, trials, budget: None, is_brief: false }
+}
+
+fn search(plan: &Plan, options: &AttackOptions, journal: &Journal) -> Result<Record, RunError> {
+    let device: Device = Err(TracerError::Unavailable("none is needed".to_owned()));
+    let (cache, quiet) = (Cache::none(), Progress::new(true));
+    execute(plan, options, &Context::new(&device, &cache, &quiet, journal))
+}
+
+/// A journal in a new folder.
+fn begun(folder: &std::path::Path) -> Journal {
+    let results = Arc::new(OutputFolder::open(&folder.join("out")).unwrap());
+    Journal::begin(&results, &Value::Null, &machine::this_machine(None), None).unwrap()
+}
+
+/// Proves that a tracer which loses one triangle of the room and one which is wrong in a tenth of its bounds are found out, and that a ray
+/// and at most eight triangles are left of what is wrong; a sound one has nothing to find. Rows from the poses say the same.
+#[test]
+fn planted_faults_are_found_and_made_small() {
+    let tracers = [Fault::Lost, Fault::Far, Fault::None].map(planted);
+    let folder = tempfile::tempdir().unwrap();
+    let journal = begun(folder.path());
+    let record = search(&plan(&tracers, diffuse()), &options(40), &journal).unwrap();
+    let attack = record.attack.as_ref().unwrap();
+    let [lost, far, sound] = &attack.searches[..] else { panic!("{attack:?}") };
+    for found in [lost, far] {
+        let worst = &found.found[0];
+        assert!(worst.wrong > 0, "{found:?}");
+        let trace = found.trace(&record, &worst.viewpoint).unwrap();
+        assert!(attack.accuracy(trace).unwrap().wrong > 0, "{found:?}");
+        let small = found.shrunk.as_ref().unwrap();
+        assert!(small.rays == 1 && small.triangles <= 8, "{small:?}");
+        // What was written is what the command reads, and its truth is that of the small scene.
+        let written = folder.path().join("out/attack").join(format!("room_{}_diffuse", found.tracer.name));
+        let set = exchange::read(&written).unwrap();
+        let scene = exchange::scene(&written, &set.manifest).unwrap();
+        assert_eq!(scene.mesh.triangles.len() as u64, small.triangles + small.markers);
+        let answers = exchange::read_truth(&written, &set.manifest).unwrap();
+        let truth = Truth::new(&Geometry::new(scene.mesh.positions, scene.mesh.triangles, None).unwrap(), "small");
+        exchange::check_truth(&written, &truth, &set, &answers, 1).unwrap();
+        let far = set.manifest.viewpoint.unwrap().far;
+        let (_, row) = record
+            .rows
+            .iter()
+            .enumerate()
+            .find(|(_, row)| row.tracer == found.tracer && row.viewpoint.name == worst.viewpoint)
+            .unwrap();
+        assert_eq!((truth.diagonal(), far), (row.scene.diagonal, row.viewpoint.far));
+        assert!(small.command.contains("--rays file:attack/room_") && small.command.contains(&worst.view));
+    }
+    assert_eq!((sound.found[0].wrong, &sound.shrunk), (0, &None));
+    assert!(far.found[0].wrong * far.random.judged >= far.random.wrong * far.found[0].judged);
+    // What is wrong along x is there wherever one looks; a single triangle must be looked for.
+    let share = |search: &SearchRecord| search.found[0].wrong as f64 / search.found[0].judged as f64;
+    assert!(share(lost) > 0.02 && share(far) > 0.2, "{} {}", share(lost), share(far));
+    let text = serde_json::to_vec(&record).unwrap();
+    assert_eq!(Record::read(&text).unwrap(), record);
+}
+
+/// Proves that forty trials are the same on one thread and on two, and that a longer search begins with the shorter one; another seed
+/// has others.
+#[test]
+fn searches_repeat_whatever_the_threads() {
+    let plan = plan(&[planted(Fault::Far)], diffuse());
+    let of = |threads: usize, seed: u64, trials: u32| {
+        let plan = Plan { seed, ..plan.clone() };
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let brief = AttackOptions { is_brief: true, ..options(trials) };
+        let record = pool.install(|| search(&plan, &brief, &Journal::none())).unwrap();
+        let answers = record.rows.iter().map(|row| (row.viewpoint.clone(), row.traces[0].hits_sha256.clone()));
+        (answers.collect::<Vec<_>>(), record.attack.unwrap())
+    };
+    let (rows, attack) = of(1, 1, 40);
+    assert_eq!(of(2, 1, 40), (rows, attack.clone()));
+    assert_ne!(of(2, 2, 40).1.searches[0].trials_sha256, attack.searches[0].trials_sha256);
+    let trials = |trials: u32| {
+        let folder = tempfile::tempdir().unwrap();
+        let brief = AttackOptions { is_brief: true, ..options(trials) };
+        search(&plan, &brief, &begun(folder.path())).unwrap();
+        // What is on the disk is what a process that goes on reads.
+        let results = Arc::new(OutputFolder::open(&folder.path().join("out")).unwrap());
+        let journal = Journal::resume(&results, &Value::Null, &machine::this_machine(None)).unwrap();
+        journal.read::<Trials>("001-trials").unwrap().unwrap()
+    };
+    let (short, long) = (trials(10), trials(30));
+    assert!(
+        short.searched.len() == 10
+            && long.searched[..10] == short.searched[..]
+            && long.random[..10] == short.random[..]
+    );
+}
+
+/// Proves that hostile rays are searched though many are ambiguous, that a tracer which refuses is told of with its reason while others are
+/// searched, and that refusals alone are an error, as is a budget of nothing.
+#[test]
+fn what_cannot_be_searched_is_said() {
+    let tracers = [Fault::Refusing, Fault::None].map(planted);
+    let record = search(&plan(&tracers, HOSTILE), &options(2), &Journal::none()).unwrap();
+    assert_eq!(record.attack.unwrap().searches.len(), 1);
+    assert!(
+        record
+            .skipped
+            .iter()
+            .any(|one| one.tracer.as_deref() == Some("refusing") && one.reason.contains("not supported"))
+    );
+    let refused = search(&plan(&tracers[..1], diffuse()), &options(2), &Journal::none()).unwrap_err();
+    assert!(refused.to_string().contains("not supported"), "{refused}");
+    let none = AttackOptions { budget: Some(Duration::ZERO), ..options(2) };
+    let none = search(&plan(&tracers[1..], diffuse()), &none, &Journal::none()).unwrap_err();
+    assert!(none.to_string().contains("budget"), "{none}");
+}
+
+/// Proves that delta debugging leaves just what must be there together, wherever it is, and one item where any one will do.
+#[test]
+fn delta_debugging_leaves_what_fails() {
+    let all: Vec<u32> = (0..1000).collect();
+    for wanted in [vec![0], vec![999], vec![17, 18], vec![3, 500, 501, 998]] {
+        let mut tests = 0;
+        let found = minimal(all.clone(), |part| {
+            tests += 1;
+            Ok(wanted.iter().all(|item| part.contains(item)))
+        });
+        assert_eq!(found.unwrap(), wanted);
+        assert!(tests < 500, "{tests}");
+    }
+    assert_eq!(minimal(all.clone(), |part| Ok(!part.is_empty())).unwrap().len(), 1);
+    assert_eq!(minimal(all.clone(), |_| Ok(false)).unwrap(), all);
+}
