@@ -10,7 +10,7 @@ use super::document::Document;
 use super::group::Role;
 use super::metrics::TRACE_TIME;
 use super::sheet::{Cell, Sheet, Table};
-use crate::results::{OCCLUSION, Row, Rule, StatusCounts, Times};
+use crate::results::{OCCLUSION, Row, Rule, StatusCounts, Times, TraceRecord};
 use crate::statistics::wilson;
 
 /// Sets of statuses that are trusted, as `trust` names them, without those of no status and of all.
@@ -28,7 +28,8 @@ fn share(part: u64, of: u64) -> Cell {
 
 /// Every table; nothing of records from before answers were counted by status.
 pub(super) fn tables(query: Query, rows: &[TableRow<'_>]) -> Document {
-    let told: Vec<_> = rows.iter().filter(|(role, ..)| *role == Role::Tracer).collect();
+    let says = |trace: &TraceRecord| trace.judgement.one_sided().is_none();
+    let told: Vec<_> = rows.iter().filter(|(role, _, trace)| *role == Role::Tracer && says(trace)).collect();
     let counted = || told.iter().map(|row| (**row, row.2.judgement.by_status())).filter(|(_, of)| !of.is_empty());
     let rules = if query == Query::Any { vec![OCCLUSION] } else { Rule::ALL.map(Rule::name).to_vec() };
     let statuses: Vec<_> = counted().flat_map(|(row, of)| of.iter().map(move |each| (row, each))).collect();

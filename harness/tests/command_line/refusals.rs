@@ -278,6 +278,8 @@ fn without_an_adapter() {
         "screen-dda",
         "height-field",
         "mesh-warp",
+        "hybrid",
+        "hybrid first=quadtree:improved",
     ];
     assert_eq!(names_of_skipped, of_device);
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("adapter")));
