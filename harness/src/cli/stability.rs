@@ -49,8 +49,6 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     }
     // Arguments are checked before any device or file is touched.
     let mut requests = names::tracers(&arguments.tracer, &arguments.settings)?;
-    // Of what is made of others nothing is stated: its answers are theirs.
-    requests.retain(|request| request.required || request.registration.parts.is_none());
     names::tracers_only(&arguments.settings)?;
     if arguments.settings.is_empty() {
         // Tracers that `all` has in several forms are expected something of in their own.

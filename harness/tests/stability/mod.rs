@@ -33,7 +33,7 @@ fn requests() -> Vec<TracerRequest> {
         let request = move |preset| TracerRequest { required, ..TracerRequest::of(each, preset) };
         [Preset::Published].into_iter().chain(improved).map(request)
     };
-    TRACERS.iter().filter(|each| each.parts.is_none()).flat_map(requests).collect()
+    TRACERS.iter().flat_map(requests).collect()
 }
 
 fn run_cases(cases: &[&Case]) -> Record {
