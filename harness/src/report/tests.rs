@@ -9,7 +9,7 @@ use super::fixture::{write_derived, write_run};
 use super::*;
 use crate::files::FileError;
 use crate::measure::controls::Control;
-use crate::results::{ClosestJudgement, Judgement, TraceRecord};
+use crate::results::{Classes, ClosestJudgement, CounterRecord, Judgement, PhaseRecord, StatusCounts, TraceRecord};
 
 fn write(record: &Record) -> (TempDir, BTreeMap<String, Vec<u8>>) {
     let folder = TempDir::new().unwrap();
@@ -544,4 +544,55 @@ fn builds_are_shown_as_they_were_timed() {
             rows.iter().find(|row| row["tracer"] == "bvh-gpu").unwrap()["build_mtriangles_per_s"].parse().unwrap();
         assert!((told / rate - 1.0).abs() < 1e-12, "{told} {rate}");
     }
+}
+
+/// Proves from made-up counts how often answers of a status are right, which shares of wrong and of right rays are handed over by each trust,
+/// what a ray that is handed over takes beside one of all, where the second tracer stands in the same run with the same parameters, and that
+/// nothing is said of sets with one kind of ray alone.
+#[test]
+fn calibration_follows_from_counts() {
+    let quality = fixture::Quality { missed: 0.5, blur: 1e-9, speed: 3.1, clock: ClockKind::Host };
+    let mut record = fixture::run(&[("whole", quality), ("second", quality)], &[("diffuse", Query::Closest)]);
+    let counts = |rays, right| StatusCounts { rays, right: BTreeMap::from([("tight".to_owned(), right)]) };
+    let by_status = BTreeMap::from([("hit", (100, 80)), ("miss", (60, 10)), ("step_cap", (40, 0))]);
+    for row in &mut record.rows {
+        let Judgement::Closest(judged) = &mut row.traces[0].judgement else { panic!("no closest hits") };
+        judged.by_status =
+            by_status.iter().map(|(name, (rays, right))| ((*name).to_owned(), counts(*rays, *right))).collect();
+    }
+    let value = |text: &str| serde_json::Value::from(text);
+    let [whole, second] = &mut record.rows[..] else { panic!("two rows") };
+    second.tracer.parameters = BTreeMap::from([("depth".to_owned(), value("deep"))]);
+    whole.tracer.parameters =
+        [("then", "second:published"), ("then.depth", "deep")].map(|(name, of)| (name.to_owned(), value(of))).into();
+    let trace = &mut whole.traces[0];
+    let phase = |name: &str, ms: f64| PhaseRecord { name: name.to_owned(), median_ms: ms, samples_ms: Vec::new() };
+    trace.times.phases = vec![phase("first: march", 4.0), phase("then: search", 2.0), phase("then: gather", 1.0)];
+    let handed = CounterRecord { total: 1500, per_ray: 0.0, max_per_ray: None };
+    trace.counters = BTreeMap::from([("rays_handed_over".to_owned(), handed)]);
+    let alone = record.rows[1].traces[0].times.median_ms * 1e6 / fixture::COUNT as f64;
+    let summary_of = |record: &Record| summary::summary(record, &group::groups(record)).markdown();
+    let summary = summary_of(&record);
+    let line = |start: &str| summary.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}"));
+    let cells = |start: &str| line(start).split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    let first_word = |cell: &String| cell.split(' ').next().unwrap_or_default().to_owned();
+    let status = cells("| whole | miss | 60 |");
+    assert_eq!(first_word(&status[5]), "16.7", "{status:?}");
+    // Wrong are 20, 50 and 40 rays, right 80, 10 and none.
+    let trusts: Vec<String> = cells("| whole | tight | 110 |").iter().skip(3).map(first_word).collect();
+    assert_eq!(trusts[..6], ["110", "81.8", "36.4", "90", "11.1", "0"], "{trusts:?}");
+    let cost = summary.lines().rfind(|line| line.starts_with("| whole ") && line.contains("then: search")).unwrap();
+    let ends: Vec<f64> =
+        cost.trim_end_matches(" |").rsplit('|').take(2).map(|cell| cell.trim().parse().unwrap()).collect();
+    assert!((ends[1] - 2000.0).abs() < 1.0 && (ends[0] / alone - 1.0).abs() < 1e-3, "{cost} {alone}");
+    // Another second, and a set in which no ray hits.
+    record.rows[1].tracer.parameters = BTreeMap::from([("depth".to_owned(), value("flat"))]);
+    let other = summary_of(&record);
+    let cost = other.lines().rfind(|line| line.starts_with("| whole ") && line.contains("then: search")).unwrap();
+    assert!(cost.ends_with("| – |"), "{cost}");
+    for row in record.rows.iter_mut().chain(&mut record.controls) {
+        let Judgement::Closest(judged) = &mut row.traces[0].judgement else { panic!("no closest hits") };
+        judged.classes.tight = Classes { true_miss: fixture::COUNT, ..Default::default() };
+    }
+    assert!(!summary_of(&record).contains("Right answers by the status"));
 }
