@@ -74,9 +74,9 @@ fn judged(bench: &Bench, name: &str, options: &[&str]) -> Outcome {
 #[test]
 fn own_hits_are_judged_as_the_run_judges_them() {
     let bench = Bench::new();
-    let outcome = written(&bench, "32x16", "room", "0.05");
+    let outcome = written(&bench, "16x8", "room", "0.05");
     assert_eq!((outcome.status, outcome.stdout.contains("ao: ")), (0, true), "{outcome:?}");
-    let common = ["--tracer", "bvh-cpu", "--size", "32x16"];
+    let common = ["--tracer", "bvh-cpu"];
     let made = bench.run(&[&common[..], &["--scene", "room", "--rays", "diffuse,ao"]].concat(), "made");
     let (diffuse, ao) = (bench.text("set/diffuse"), bench.text("set/ao"));
     let (scene, rays) = (bench.text("set/scene.glb"), format!("file:{diffuse},file:{ao}"));
