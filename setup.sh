@@ -1,10 +1,15 @@
 #!/bin/sh
-# Installs what tracebench needs beside Rust: a C linker, the Vulkan loader and, where no graphics adapter is found,
-# Mesa's software driver. Does nothing where nothing is missing; may be run any number of times.
+# Installs what tracebench needs beside Rust: a C linker, a C++17 compiler (for FLIP), the Vulkan loader and, where no
+# graphics adapter is found, Mesa's software driver. Does nothing where nothing is missing; may be run any number of times.
 set -eu
 
 say() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
+
+has_cxx17() {
+    printf '#include <optional>\nint main() { if constexpr (true) return 0; }\n' |
+        "${CXX:-c++}" -std=c++17 -fsyntax-only -x c++ - 2>/dev/null
+}
 
 has_vulkan_loader() {
     { ldconfig -p 2>/dev/null || /sbin/ldconfig -p 2>/dev/null || true; } | grep -q 'libvulkan\.so\.1'
@@ -48,6 +53,10 @@ if ! command -v cc >/dev/null 2>&1; then
     say 'a C linker is missing'
     missing="$missing gcc libc6-dev"
 fi
+if ! has_cxx17; then
+    say 'a C++ compiler that knows C++17 is missing'
+    missing="$missing g++"
+fi
 if ! has_vulkan_loader; then
     say 'the Vulkan loader is missing'
     missing="$missing libvulkan1"
@@ -69,7 +78,7 @@ fi
 case " $system " in
     *' debian '* | *' ubuntu '*) ;;
     *)
-        fail "this system ($system) is not known here. Install a C compiler, the Vulkan loader (libvulkan.so.1) and a
+        fail "this system ($system) is not known here. Install C and C++17 compilers, the Vulkan loader (libvulkan.so.1) and a
 setup: Vulkan driver (Mesa's lavapipe is one in software) with its own means, then run this again. On Debian the packages are:$missing"
         ;;
 esac
@@ -85,6 +94,7 @@ $as_root apt-get update -q
 # shellcheck disable=SC2086  # the list is meant to be split
 $as_root apt-get install -q -y --no-install-recommends $missing
 command -v cc >/dev/null 2>&1 || fail 'a C linker is still missing'
+has_cxx17 || fail 'there is still no C++17 compiler'
 has_vulkan_loader || fail 'the Vulkan loader is still missing'
 has_adapter || fail 'there is still no Vulkan driver'
 say 'done'

@@ -47,12 +47,6 @@ fn some(names: &[String]) -> String {
     if more == 0 { shown } else { format!("{shown} and {more} more") }
 }
 
-/// Looks whether a single file could be written.
-pub(crate) fn check_writable(path: &Path) -> Result<(), FileError> {
-    let (folder, name) = OutputFolder::of_file(path)?;
-    folder.check(&name)
-}
-
 /// Writes a single file, which the list of its folder then has.
 pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), FileError> {
     let (folder, name) = OutputFolder::of_file(path)?;

@@ -27,6 +27,21 @@ pub fn percentile(samples: &[f64], percent: f64) -> Option<f64> {
     sorted.get(rank.saturating_sub(1)).copied()
 }
 
+/// Spearman's rank correlation of pairs; values that are the same share the mean of their ranks. `None` for fewer than three pairs, and
+/// where one side is the same throughout.
+pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
+    let ranks = |side: usize| -> Vec<f64> {
+        let below = |value: f64| pairs.iter().filter(|pair| pair[side] < value).count();
+        let same = |value: f64| pairs.iter().filter(|pair| pair[side] == value).count();
+        pairs.iter().map(|pair| below(pair[side]) as f64 + (same(pair[side]) as f64 + 1.0) / 2.0).collect()
+    };
+    let [one, other] = [ranks(0), ranks(1)];
+    let mean = (pairs.len() as f64 + 1.0) / 2.0;
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
+    let spread = (product(&one, &one) * product(&other, &other)).sqrt();
+    (pairs.len() >= 3 && spread > 0.0).then(|| product(&one, &other) / spread)
+}
+
 /// The narrowest symmetric interval of order statistics that covers the distribution's median with at least 95 %, and
 /// its coverage. With fewer than six samples even the whole range covers less; then it is the range.
 ///
@@ -106,6 +121,21 @@ fn sorted(samples: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    /// Ranks that agree, are reversed, and are shared give what the formula gives by hand; too few or equal ones nothing.
+    #[test]
+    fn rank_correlations() {
+        let of = |one: &[f64], other: &[f64]| {
+            rank_correlation(&one.iter().zip(other).map(|(a, b)| [*a, *b]).collect::<Vec<_>>())
+        };
+        assert_eq!(of(&[1.0, 2.0, 30.0], &[0.1, 0.2, 0.3]), Some(1.0));
+        assert_eq!(of(&[1.0, 2.0, 30.0], &[3.0, 2.0, 1.0]), Some(-1.0));
+        // Ranks 1, 2, 3, 4 beside 2, 1, 4, 3: 1 - 6 * 4 / 60.
+        assert!((of(&[1.0, 2.0, 3.0, 4.0], &[2.0, 1.0, 4.0, 3.0]).unwrap() - 0.6).abs() < 1e-12);
+        // Ranks 1, 2.5, 2.5 beside 1, 2, 3.
+        assert!((of(&[1.0, 2.0, 2.0], &[1.0, 2.0, 3.0]).unwrap() - 0.75_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((of(&[1.0, 2.0], &[1.0, 2.0]), of(&[1.0; 3], &[1.0, 2.0, 3.0])), (None, None));
+    }
+
     use super::*;
 
     #[test]

@@ -31,6 +31,7 @@ pub fn content_sha256(mesh: &Mesh) -> String {
         }
         words.word(material.metallic.to_bits());
         words.word(material.roughness.to_bits());
+        material.refractive_index.into_iter().for_each(|index| words.word(index.to_bits()));
     }
     words.finish()
 }
@@ -80,7 +81,12 @@ mod tests {
             triangle_materials: vec![0],
             triangle_objects: Vec::new(),
             objects: Vec::new(),
-            materials: vec![Material { base_color: [0.5, 0.25, 1.0], metallic: 0.0, roughness: 1.0 }],
+            materials: vec![Material {
+                base_color: [0.5, 0.25, 1.0],
+                metallic: 0.0,
+                roughness: 1.0,
+                refractive_index: None,
+            }],
         }
     }
 

@@ -234,7 +234,7 @@ mod tests {
             positions: triangles.iter().flatten().copied().collect(),
             triangles: (0..count).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect(),
             triangle_materials: vec![0; triangles.len()],
-            materials: vec![Material { base_color: [0.5; 3], metallic: 0.0, roughness: 1.0 }],
+            materials: vec![Material { base_color: [0.5; 3], metallic: 0.0, roughness: 1.0, refractive_index: None }],
             triangle_objects: vec![0; triangles.len()],
             objects: vec!["scene".to_owned()],
         };

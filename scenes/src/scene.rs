@@ -21,6 +21,9 @@ pub struct Material {
     pub metallic: f32,
     /// 0 is perfectly smooth, 1 fully rough.
     pub roughness: f32,
+    /// Refractive index of what is behind its front, at least 1, where it lets light through; else none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refractive_index: Option<f32>,
 }
 
 impl Material {
@@ -206,7 +209,7 @@ pub struct Scene {
     /// What the import has to say; empty for procedural scenes.
     pub notes: ImportNotes,
     /// SHA-256 of the mesh in lower-case hex: positions, triangles, triangle materials and materials, each after its
-    /// length as a 64-bit integer, all little-endian. Cameras and names are not part of it.
+    /// length as a 64-bit integer, all little-endian; a refractive index only where there is one. Cameras and names are not part of it.
     pub sha256: String,
     /// Least coordinates over all positions.
     pub bounds_min: [f32; 3],

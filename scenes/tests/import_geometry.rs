@@ -124,13 +124,18 @@ fn many_primitives_and_materials() {
             "baseColorTexture": {"index": 77}}},
         {"extensions": {"KHR_materials_pbrSpecularGlossiness": {
             "diffuseFactor": [0.1, 0.2, 0.3, 1.0], "glossinessFactor": 0.75}}},
+        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}, "KHR_materials_ior": {"ior": 1.25}}},
+        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0, "transmissionTexture": {"index": 77}}}},
+        {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.25}, "KHR_materials_ior": {"ior": 1.25}}},
     ]);
     let scene = doc.import().unwrap();
-    assert_eq!(scene.mesh.triangle_materials, [1, 3]);
-    assert_eq!(scene.mesh.materials.len(), 4);
+    assert_eq!(scene.mesh.triangle_materials, [1, 6]);
+    assert_eq!(scene.mesh.materials.len(), 7);
+    let indices: Vec<_> = scene.mesh.materials.iter().map(|material| material.refractive_index).collect();
+    assert_eq!(indices, [None, None, None, Some(1.25), Some(1.5), None, None]);
     assert_eq!(scene.mesh.materials[1].base_color, [0.25, 0.5, 0.75]);
     assert!(scene.mesh.materials[1].is_mirror());
-    assert!(!scene.mesh.materials[3].is_mirror());
+    assert!(!scene.mesh.materials[6].is_mirror());
     assert_eq!(scene.mesh.materials[2].base_color, [0.1, 0.2, 0.3]);
     assert_eq!(scene.mesh.materials[2].roughness, 0.25);
     assert!(scene.notes.warnings.iter().any(|warning| warning.contains("alpha masks are ignored")));

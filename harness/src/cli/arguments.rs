@@ -1,4 +1,4 @@
-//! The arguments of `run`, `table` and `picture`, and the plan that they make.
+//! The arguments of `run` and `table`, and the plan that they make.
 
 use std::ffi::{OsStr, OsString};
 use std::ops::RangeInclusive;
@@ -13,17 +13,12 @@ use super::work::OutputArguments;
 use super::{CliError, names};
 use crate::judge::WRONG_RAYS_PER_CAUSE;
 use crate::papers;
-use crate::peers::Subject;
-use crate::picture::PictureKind;
 use crate::plan::{
     LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SAMPLING, SceneSource, TracerRequest, ViewRequest,
 };
 use crate::rays::{BETWEEN_SAMPLES, MAX_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Adaptive, SampleSchedule};
 use crate::tables::{self, Table};
-
-/// Most frames of an animation: their vertices are all held at once.
-const MAX_FRAMES: i64 = 240;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
@@ -46,7 +41,7 @@ pub(super) struct TableArguments {
     /// The table: a name from `list tables`.
     pub name: String,
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. If not given, all listed ones
-    /// (all that move, for a table over animations; for a paper's table those that stand for the paper's).
+    /// (for a paper's table those that stand for the paper's).
     #[arg(long)]
     pub scene: Option<OsString>,
     #[arg(long, help = tables::tracer_help())]
@@ -54,11 +49,8 @@ pub(super) struct TableArguments {
     /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all; the table's own if not given.
     #[arg(long)]
     pub rays: Option<String>,
-    /// Frames of the animation or of the camera's path after the first, for a table over either; 8 if not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
-    pub frames: Option<u32>,
     /// Few rows of a paper's table, too few to test its claims, in seconds: in room, of an eighth of its triangles, at half the resolution.
-    #[arg(long, conflicts_with_all = ["scene", "rays", "frames", "only", "tuned", "size", "frame_size", "face_size", "scale"])]
+    #[arg(long, conflicts_with_all = ["scene", "rays", "only", "tuned", "size", "frame_size", "face_size", "scale"])]
     pub few_rows: bool,
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
     #[arg(long, value_name = "T.P=V,V")]
@@ -74,7 +66,7 @@ pub(super) struct TableArguments {
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it. Claims are judged by any number
     /// of runs of their paper's tables; those that none measures are listed with the table that would.
     #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = [
-        "scene", "tracer", "rays", "frames", "size", "frame_size", "face_size", "view", "animation_time", "scale", "settings", "adapter", "limits",
+        "scene", "tracer", "rays", "size", "frame_size", "face_size", "view", "animation_time", "scale", "settings", "adapter", "limits",
         "preset", "samples", "ratio_precision", "time_limit", "seed", "resume", "shard", "only", "tuned", "few_rows", "launch",
     ])]
     pub from: Vec<PathBuf>,
@@ -148,7 +140,7 @@ impl Selection {
     }
 }
 
-/// What `run`, `table` and `picture` share.
+/// What all verbs that measure share.
 #[derive(Args)]
 pub(super) struct CommonArguments {
     /// Viewpoint: a name from `list scenes`, or eye and target as ex,ey,ez:tx,ty,tz.
@@ -184,33 +176,6 @@ pub(super) struct DeviceArguments {
 
 fn limits(text: &str) -> Result<DeviceLimits, String> {
     DeviceLimits::named(text).ok_or_else(|| DeviceLimits::NAMES.join(" or "))
-}
-
-#[derive(Args)]
-pub(super) struct PictureArguments {
-    /// Scene: a name from `list scenes`, or a path to a .gltf or .glb file.
-    #[arg(long)]
-    pub scene: OsString,
-    /// Tracer, NAME or NAME:PRESET.
-    #[arg(long)]
-    pub tracer: String,
-    /// What is drawn.
-    #[arg(long, value_enum, default_value_t = PictureKind::Shaded)]
-    pub what: PictureKind,
-    /// Width and height of the picture, pixels; also the viewpoint's frame.
-    #[arg(long, value_name = "WxH", value_parser = ray_image, default_value = "960x540")]
-    pub size: [u32; 2],
-    #[command(flatten)]
-    pub common: CommonArguments,
-    /// PNG file to write.
-    #[arg(long, value_name = "F.png", value_parser = png_file)]
-    pub out: PathBuf,
-}
-
-fn png_file(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_png = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"));
-    is_png.then_some(path).ok_or_else(|| "a name that ends in .png: pictures are PNGs".to_owned())
 }
 
 /// Reads a number within a range, of which words say what it is.
@@ -296,11 +261,9 @@ impl TableArguments {
         let listed = |name: &str| SceneSource::Catalogue(name.to_owned());
         let scenes = match (&self.scene, table) {
             (Some(list), _) => names::scenes(list)?,
-            (None, Table::Settings(peers)) => tracebench_scenes::catalogue()
-                .iter()
-                .filter(|entry| peers.subject != Subject::Moving || entry.animation_s.is_some())
-                .map(|entry| listed(entry.name))
-                .collect(),
+            (None, Table::Settings(_)) => {
+                tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect()
+            }
             (None, Table::Claims(_)) => Vec::new(),
             (None, Table::Study(_)) => names::scenes(OsStr::new("all"))?,
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),

@@ -1,4 +1,4 @@
-//! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | compare | merge | report | picture |
+//! The command line: `tracebench doctor | list | run | sweep | pareto | need | frames | reproduce | table | compare | merge | report |
 //! stability | attack | explain | rays | judge`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
@@ -9,6 +9,7 @@ mod clock;
 mod compare;
 mod doctor;
 mod explain;
+mod frames;
 mod judge;
 mod list;
 mod merge;
@@ -37,7 +38,6 @@ use arguments::DeviceArguments;
 use crate::exchange::ExchangeError;
 use crate::files::FileError;
 use crate::measure::RunError;
-use crate::picture::PictureError;
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::ReportError;
@@ -73,6 +73,8 @@ enum Verb {
     Pareto(pareto::ParetoArguments),
     /// Shrink structures until answers get worse: bytes needed beside bytes stored and touched.
     Need(need::NeedArguments),
+    /// Follow moving scenes frame by frame: update structures, trace or render every frame, and tell time, error and flicker.
+    Frames(frames::FramesArguments),
     /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
     Reproduce(reproduce::ReproduceArguments),
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a
@@ -85,8 +87,6 @@ enum Verb {
     /// Make every file that derives from a run.json, of whatever verb, again; or one page, or one table, of several records; or check what
     /// is handed in.
     Report(run::ReportArguments),
-    /// Draw what a tracer sees, or gets wrong, as a PNG.
-    Picture(arguments::PictureArguments),
     /// Run minimal scenes of one difficulty each and compare what tracers get wrong with what is expected of them.
     Stability(stability::StabilityArguments),
     /// Search for the poses at which tracers are wrong the most, and make what is wrong there small.
@@ -118,9 +118,6 @@ pub(crate) enum CliError {
     /// A record could not be read, or what derives from it not be made.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// A picture could not be made.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
     /// A device could not be had.
     #[error(transparent)]
     Device(#[from] TracerError),
@@ -134,7 +131,6 @@ impl CliError {
         let argument = match self {
             Self::Argument(_) => true,
             Self::Run(error) => error.is_argument(),
-            Self::Picture(PictureError::Run(error)) => error.is_argument(),
             _ => false,
         };
         ExitCode::from(if argument { 2 } else { 1 })
@@ -175,12 +171,12 @@ pub fn main() -> ExitCode {
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
         Verb::Pareto(arguments) => pareto::pareto(arguments, &progress),
         Verb::Need(arguments) => need::need(arguments, &progress),
+        Verb::Frames(arguments) => frames::frames(arguments, &progress),
         Verb::Reproduce(arguments) => reproduce::reproduce(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Merge(arguments) => merge::merge_shards(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
-        Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Attack(arguments) => attack::attack(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),

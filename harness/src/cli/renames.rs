@@ -26,6 +26,7 @@ const RENAMES: &[(Kind, &str, &str)] = &[
     (Kind::Verb, "clock", "doctor --clock"),
     (Kind::Verb, "claims", "table NAME-claims --from RUN..."),
     (Kind::Verb, "tune", "sweep --choose RULE"),
+    (Kind::Verb, "picture", "frames --frames 1 --effect E"),
     (Kind::Verb, "docs", "cargo run --release --example figures"),
     (Kind::Option("run"), "--end", "--trace-to"),
     (Kind::Option("run"), "--frame", "--frame-size"),
@@ -38,6 +39,8 @@ const RENAMES: &[(Kind, &str, &str)] = &[
     (Kind::Option("doctor"), "--races", "--interleaved-sets"),
     (Kind::Parameter, "reads", "memory_access"),
     (Kind::Table, "means", "launch-settings"),
+    (Kind::Table, "view-updates", "frames --rays SET --move camera --update U"),
+    (Kind::Table, "bvh-updates", "frames --rays SET --move geometry --update U"),
     (Kind::Table, "lbvh-gpu-ablation", "ploc-gpu-ablation"),
     (Kind::Variable, "TRACEBENCH_MEANS", "TRACEBENCH_LAUNCH"),
 ];

@@ -1,19 +1,15 @@
-//! `run`, `report` and `picture`.
+//! `run` and `report`.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::{PictureArguments, RunArguments};
+use super::CliError;
+use super::arguments::RunArguments;
 use super::output::{print, print_end, print_written};
 use super::work::{Clock, Work, all_measured, refuse_others};
-use super::{CliError, names, open_device};
 use crate::files::OutputFolder;
-use crate::picture;
-use crate::plan::RunPreset;
 use crate::progress::Progress;
-use crate::rays::RAY_SETS;
-use crate::results::SampleSchedule;
 use crate::{report as reports, tables};
 
 #[derive(Args)]
@@ -87,19 +83,4 @@ fn check(folders: &[PathBuf], progress: &Progress) -> Result<(), CliError> {
 /// The folder that a file is in, or that is one.
 pub(super) fn folder_of(path: &Path) -> PathBuf {
     if path.is_dir() { path.to_owned() } else { path.parent().map(Path::to_path_buf).unwrap_or_default() }
-}
-
-pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Result<(), CliError> {
-    let tracers = names::tracers(&arguments.tracer, &arguments.common.settings)?;
-    let [tracer] = tracers.as_slice() else {
-        return Err(CliError::Argument("picture takes one tracer".to_owned()));
-    };
-    let (size, sampling) = (arguments.size, SampleSchedule::rounds(1));
-    let preset = RunPreset { ray_image: size, frame: size, sampling, ..RunPreset::for_adapter(false) };
-    let primary = RAY_SETS.iter().filter(|set| set.name == "primary").copied().collect();
-    let plan = arguments.common.plan_of_one(&arguments.scene, tracer, primary, preset)?;
-    let needed = tracer.registration.needs_device();
-    let device = open_device(&arguments.common.device, needed, needed)?;
-    let legend = picture::draw(&plan, arguments.what, &device, &arguments.out, progress)?;
-    print(&legend.iter().map(|line| format!("{line}\n")).collect::<String>())
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use itertools::Itertools as _;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::arguments::TableArguments;
 use super::output::{print, print_head, print_page};
@@ -11,15 +11,13 @@ use super::run::folder_of;
 use super::work::{Clock, Work, all_measured, described, fresh_folder, refuse_others};
 use super::{CliError, names};
 use crate::files::OutputFolder;
-use crate::measure::{self, Context};
+use crate::measure;
 use crate::papers::{self, Experiment, PART_SETTINGS, Paper};
-use crate::peers::Subject;
 use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
 use crate::results::Record;
 use crate::studies::tune::{Label, Tuning};
-use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::{self, Table};
 
 pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(), CliError> {
@@ -27,16 +25,11 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if let Table::Claims(paper) = table {
         return claims(paper, &arguments.from, arguments.work.output.out.as_deref());
     }
-    let moving = table.is_moving();
-    let is_walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
     let is_study = matches!(table, Table::Study(_));
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.few_rows;
     let common = &arguments.work.common;
     let refused = [
-        (!moving && arguments.frames.is_some(), "--frames", "is not over frames"),
-        (moving && common.animation_time != 0.0, "--animation-time", "is over whole animations"),
-        (is_walked && common.view.is_some(), "--view", "is along the camera's path"),
         (is_study && common.view.is_some(), "--view", "has viewpoints of its own"),
         (!is_study && arguments.tracer.is_some(), "--tracer", "has its own"),
         (!matches!(table, Table::Paper(..)) && of_papers, "--only, --tuned, --few-rows, --estimate", "is no paper's"),
@@ -54,12 +47,6 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     }
     let mut work = Work::prepare(&arguments.work, || arguments.selection(table), Clock::Timed, progress)?;
     match table {
-        Table::Settings(table) if moving => {
-            let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
-            let plan = described("table", std::slice::from_ref(&work.plan), json!({ "frames": frames }));
-            let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
-            work.bench.measure(&plan, progress, execute)?;
-        }
         Table::Settings(_) => {
             work.measure("table", progress)?;
         }

@@ -42,15 +42,19 @@ pub fn glb(mesh: &Mesh, name: &str) -> Result<(Vec<u8>, Scene), ExchangeError> {
         );
         begin += run.len();
     }
-    let material = |Material { base_color: [red, green, blue], metallic, roughness }: &Material| {
+    let material = |Material { base_color: [red, green, blue], metallic, roughness, refractive_index }: &Material| {
         let [red, green, blue, metallic, roughness] =
             [red, green, blue, metallic, roughness].map(|part| f64::from(*part));
         let factors = json!({ "baseColorFactor": [red, green, blue, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness });
-        json!({ "pbrMetallicRoughness": factors, "doubleSided": true })
+        let mut material = json!({ "pbrMetallicRoughness": factors, "doubleSided": true });
+        if let Some(index) = refractive_index {
+            material["extensions"] = json!({ "KHR_materials_transmission": { "transmissionFactor": 1.0 }, "KHR_materials_ior": { "ior": f64::from(*index) } });
+        }
+        material
     };
     let document = json!({
         "asset": { "version": "2.0", "generator": "tracebench" },
-        "extensionsUsed": [SHARED_VERTICES],
+        "extensionsUsed": [SHARED_VERTICES, "KHR_materials_transmission", "KHR_materials_ior"],
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0, "name": name }],

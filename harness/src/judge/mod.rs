@@ -163,8 +163,19 @@ impl Judge<'_> {
     }
 
     fn check(&self, hits: &[Hit]) -> Result<(), JudgeError> {
-        if hits.len() != self.rays.len() || self.answers.len() != self.rays.len() {
+        if self.answers.len() != self.rays.len() {
             return Err(JudgeError::Count { hits: hits.len(), rays: self.rays.len() });
+        }
+        Self::are_answers(self.rays.len(), hits)
+    }
+
+    /// That all are answers to so many rays, right or wrong.
+    ///
+    /// # Errors
+    /// [`JudgeError`] if not.
+    pub fn are_answers(rays: usize, hits: &[Hit]) -> Result<(), JudgeError> {
+        if hits.len() != rays {
+            return Err(JudgeError::Count { hits: hits.len(), rays });
         }
         let malformed = |hit: &Hit| match Status::from_code(hit.status) {
             None | Some(Status::Unwritten) => true,

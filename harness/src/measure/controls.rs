@@ -10,6 +10,7 @@ use tracebench_api::{
     Viewpoint,
 };
 
+use crate::judge::true_counts;
 use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, PerRule, SurfaceJudgement, TrueCounts};
 use crate::truth::{Answer, Ray64};
 
@@ -106,6 +107,22 @@ impl Control {
         Box::new(Answering { control: self, known: Arc::new(known), diagonal, geometry: None })
     }
 
+    /// Its answers to rays whose truth is known, in a scene of such a diagonal.
+    pub fn hits(self, rays: &[Ray], answers: &[Answer], diagonal: f64) -> Vec<Hit> {
+        let answering = Answering { control: self, known: Arc::default(), diagonal, geometry: None };
+        answering.answers(rays, answers).collect()
+    }
+
+    /// The same with their surfaces, in a scene.
+    pub(crate) fn answered(self, geometry: &Geometry, rays: &[Ray], answers: &[Answer]) -> (Vec<Hit>, Vec<Surface>) {
+        let (known, diagonal) = (Arc::default(), geometry.diagonal());
+        let answering = Answering { control: self, known, diagonal, geometry: Some(geometry.clone()) };
+        let hits: Vec<Hit> = answering.answers(rays, answers).collect();
+        let each = rays.iter().zip(answers).zip(&hits);
+        let surfaces = each.map(|((ray, truth), hit)| answering.surface(ray, truth, hit)).collect();
+        (hits, surfaces)
+    }
+
     /// Checks what the judge made of the control, by what the truth says of the rays.
     ///
     /// # Errors
@@ -187,6 +204,14 @@ impl Control {
     }
 }
 
+/// Checks what the judge made of a control's hits, wherever they were traced.
+///
+/// # Errors
+/// What the control scored wrongly; the run is invalid then.
+pub(crate) fn checked(control: Control, judgement: &Judgement, answers: &[Answer]) -> Result<(), String> {
+    control.check(judgement, &true_counts(answers))
+}
+
 /// Tracer and structure in one: a control has nothing to build.
 #[derive(Clone)]
 struct Answering {
@@ -211,6 +236,11 @@ impl Tracer for Answering {
 }
 
 impl Answering {
+    fn answers(&self, rays: &[Ray], truth: &[Answer]) -> impl Iterator<Item = Hit> {
+        let each = rays.iter().zip(truth).zip(corrupted(truth));
+        each.map(|((ray, truth), wrong)| self.answer(ray, truth, wrong))
+    }
+
     fn answer(&self, ray: &Ray, truth: &Answer, wrong: bool) -> Hit {
         let hit = |t: f32, primitive: u32| Hit { t, primitive, u: 0.0, v: 0.0, status: Status::Hit as u32 };
         let invented = || hit(ray.t_max.min((self.diagonal / 2.0) as f32), NO_PRIMITIVE);
@@ -261,10 +291,7 @@ impl Structure for Answering {
             known.ok_or_else(|| TracerError::Failed("a control was given rays that it does not know".to_owned()))?;
         let of_hits = hits.host_mut(rays.len())?;
         clock.host_phase("answer", || {
-            let wrong = corrupted(answers);
-            for (index, hit) in of_hits.iter_mut().enumerate() {
-                *hit = self.answer(&rays[index], &answers[index], wrong[index]);
-            }
+            of_hits.iter_mut().zip(self.answers(rays, answers)).for_each(|(hit, answer)| *hit = answer);
         });
         if job.trace_to == TraceTo::Surface {
             let (hits, surfaces) = hits.host_surfaces_mut(rays.len())?;

@@ -1,6 +1,6 @@
 //! The interleaved set of structures that follow an animation.
 
-use tracebench_api::{Geometry, Update, Viewpoint};
+use tracebench_api::Geometry;
 
 use super::RunError;
 use super::interleaved_set::InterleavedSet;
@@ -11,7 +11,7 @@ pub(super) const UPDATES: &str = "updates";
 
 impl InterleavedSet<'_> {
     /// Lets those follow the film who do: one pass to warm up, then the counted ones; every pass begins with fresh builds over
-    /// the first frame, outside of the times, but of what is reused. A round is a frame.
+    /// the first frame, outside of the times. A round is a frame.
     pub(super) fn follow(&mut self, passes: u32) -> Result<Option<InterleavedSetRecord>, RunError> {
         let Some(film) = self.film else { return Ok(None) };
         let followers: Vec<usize> = (0..self.slots.len()).filter(|slot| self.slots[*slot].follows.is_some()).collect();
@@ -35,14 +35,7 @@ impl InterleavedSet<'_> {
                 for place in order {
                     let slot = followers[place];
                     let sample = self.attempt(slot, |one| match (frame, one.follows) {
-                        // Nothing was done to it since.
-                        (0, Some(Update::Reuse)) if pass > 0 => Ok(None),
-                        (0, _) | (_, None) => {
-                            let Viewpoint { frame, face, .. } = one.viewpoint;
-                            let built_from =
-                                film.built_from.map_or(one.viewpoint, |before| Viewpoint { frame, face, ..before });
-                            one.config.build(&geometry, &built_from, gpu).map(Some)
-                        }
+                        (0, _) | (_, None) => one.config.build(&geometry, &one.viewpoint, gpu).map(Some),
                         (_, Some(update)) => one.config.update(update, &geometry, &one.viewpoint, gpu),
                     });
                     if let Some(sample) = sample.flatten().filter(|_| counts) {

@@ -210,11 +210,9 @@ impl<'a> InterleavedSet<'a> {
         self.options.timed.then_some(self.options.sampling)
     }
 
-    /// The seed of the orders of an interleaved set, a number that JSON holds exactly.
+    /// The seed of the orders of an interleaved set.
     pub(super) fn order_seed(&self, work: &str, attempt: usize) -> u64 {
-        let Setting { scene, viewpoint, resident_batch, turn, .. } = &self.setting;
-        let words = format!("{} {scene} {viewpoint} {resident_batch} {work} {turn} {attempt}", self.options.seed);
-        u64::from_str_radix(&crate::hash::sha256_of(words.as_bytes())[..13], 16).unwrap_or_default()
+        order_seed(self.options.seed, &self.setting, work, attempt)
     }
 
     /// Rounds of so many participants, with the fixed kernels of the clocks that they are timed by.
@@ -225,15 +223,8 @@ impl<'a> InterleavedSet<'a> {
         slots: impl Iterator<Item = usize> + Clone,
         sampling: Option<SampleSchedule>,
     ) -> Rounds<'a> {
-        let on = |slot: usize| match self.slots[slot].config.description.residency {
-            Residency::Host => Side::Host,
-            Residency::Device => Side::Device,
-        };
-        let kernels = self.setting.kernels.filter(|_| sampling.is_some());
-        let sides = [Side::Host, Side::Device].into_iter().filter(|side| slots.clone().any(|slot| on(slot) == *side));
-        let kernels: Vec<(Side, &Kernels)> =
-            sides.filter_map(|side| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
-        Rounds::new(sampling, seed, participants, &kernels)
+        let sides = slots.map(|slot| self.slots[slot].config.description.residency);
+        rounds_of(&self.setting, seed, participants, sides, sampling)
     }
 
     /// The ticks of its clocks; none where nothing is timed.
@@ -249,37 +240,12 @@ impl<'a> InterleavedSet<'a> {
         rounds: &Rounds<'_>,
         participants: Vec<String>,
     ) -> Option<InterleavedSetRecord> {
-        let Setting { scene, viewpoint, resident_batch, .. } = self.setting.clone();
-        let kernels = rounds.kernels();
-        Some(InterleavedSetRecord {
-            scene,
-            viewpoint,
-            resident_batch,
-            work: work.to_owned(),
-            participants,
-            order_seed: seed,
-            orders: rounds
-                .orders
-                .iter()
-                .map(|order| order.iter().map(|participant| *participant as u32).collect())
-                .collect(),
-            each_round: match work {
-                BUILDS => "first builds, each with a rebuild behind it",
-                UPDATES => "the next frame",
-                _ => "the same rays",
-            }
-            .to_owned(),
-            warm_up_rounds: 1,
-            sampling: rounds.sampling?,
-            stop_reason: rounds.stop_reason,
-            sampled_s: rounds.sampled_s,
-            widest_interval: rounds.widest_interval,
-            drift: kernels.iter().any(|kernel| kernel.drifts),
-            clock_ticks: self.ticks(),
-            kernels,
-            doubled_work: Vec::new(),
-            repeated_because: None,
-        })
+        let each_round = match work {
+            BUILDS => "first builds, each with a rebuild behind it",
+            UPDATES => "the next frame",
+            _ => "the same rays",
+        };
+        record_of(&self.setting, work, each_round, seed, rounds, participants)
     }
 
     /// A stall in words: the first participant that traces it.
@@ -448,6 +414,67 @@ impl<'a> InterleavedSet<'a> {
             }
         }
     }
+}
+
+/// The seed of the orders of an interleaved set, a number that JSON holds exactly.
+pub(super) fn order_seed(seed: u64, setting: &Setting<'_>, work: &str, attempt: usize) -> u64 {
+    let Setting { scene, viewpoint, resident_batch, turn, .. } = setting;
+    let words = format!("{seed} {scene} {viewpoint} {resident_batch} {work} {turn} {attempt}");
+    u64::from_str_radix(&crate::hash::sha256_of(words.as_bytes())[..13], 16).unwrap_or_default()
+}
+
+/// Rounds of so many participants, with the fixed kernels of the clocks that work where they do is timed by.
+pub(super) fn rounds_of<'a>(
+    setting: &Setting<'a>,
+    seed: u64,
+    participants: usize,
+    residencies: impl Iterator<Item = Residency> + Clone,
+    sampling: Option<SampleSchedule>,
+) -> Rounds<'a> {
+    let kernels = setting.kernels.filter(|_| sampling.is_some());
+    let is_there = |residency| residencies.clone().any(|other| other == residency);
+    let sides = [(Side::Host, is_there(Residency::Host)), (Side::Device, is_there(Residency::Device))];
+    let sides = sides.into_iter().filter(|(_, is_there)| *is_there);
+    let kernels: Vec<(Side, &Kernels)> =
+        sides.filter_map(|(side, _)| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
+    Rounds::new(sampling, seed, participants, &kernels)
+}
+
+/// The record of an interleaved set; none where nothing was timed.
+pub(super) fn record_of(
+    setting: &Setting<'_>,
+    work: &str,
+    each_round: &str,
+    seed: u64,
+    rounds: &Rounds<'_>,
+    participants: Vec<String>,
+) -> Option<InterleavedSetRecord> {
+    let Setting { scene, viewpoint, resident_batch, .. } = setting.clone();
+    let kernels = rounds.kernels();
+    Some(InterleavedSetRecord {
+        scene,
+        viewpoint,
+        resident_batch,
+        work: work.to_owned(),
+        participants,
+        order_seed: seed,
+        orders: rounds
+            .orders
+            .iter()
+            .map(|order| order.iter().map(|participant| *participant as u32).collect())
+            .collect(),
+        each_round: each_round.to_owned(),
+        warm_up_rounds: 1,
+        sampling: rounds.sampling?,
+        stop_reason: rounds.stop_reason,
+        sampled_s: rounds.sampled_s,
+        widest_interval: rounds.widest_interval,
+        drift: kernels.iter().any(|kernel| kernel.drifts),
+        clock_ticks: setting.kernels.map(|kernels| kernels.ticks),
+        kernels,
+        doubled_work: Vec::new(),
+        repeated_because: None,
+    })
 }
 
 impl Refusal {

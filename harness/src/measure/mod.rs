@@ -7,6 +7,7 @@
 pub mod controls;
 mod doubled_work;
 mod following;
+mod frames;
 mod interleaved_set;
 mod journal;
 mod kernels;
@@ -25,6 +26,8 @@ mod workload;
 use tracebench_api::TracerError;
 use tracebench_scenes::SceneError;
 
+pub(crate) use frames::{FrameWork, MovingFrames, Traced, Turn, Updated, follow, trace_once};
+pub use frames::{MAX_SAH_GROWTH, UpdatePolicy};
 pub use journal::{Journal, JournalError};
 pub use resident_batch::MAX_RESIDENT;
 pub(crate) use resident_batch::measure;

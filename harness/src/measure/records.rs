@@ -90,7 +90,7 @@ const TELLING_MS: f64 = 1.0;
 
 /// Whether the timestamps of an interleaved set are believed: those of every lot that is long enough to tell. Where one's are not, nobody's
 /// are: times of one interleaved set are by one clock.
-pub(super) fn are_believed<'a>(timed_samples: impl IntoIterator<Item = &'a [Timing]>) -> bool {
+pub(crate) fn are_believed<'a>(timed_samples: impl IntoIterator<Item = &'a [Timing]>) -> bool {
     let tells = |samples: &&[Timing]| {
         let waited: Vec<f64> = samples.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
         !waited.is_empty() && median(&waited) >= TELLING_MS
@@ -129,6 +129,13 @@ pub(crate) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Ti
         invalid: None,
         anchor_scale: None,
     }
+}
+
+/// Samples of one tracer's traces, whatever they are of, by the clock that is given; by the host's where timestamps are not believed.
+pub(crate) fn samples<'a>(timings: impl Iterator<Item = &'a Timing>, believed: bool) -> (Option<ClockKind>, Vec<f64>) {
+    let timings: Vec<Timing> = timings.cloned().collect();
+    let times = times(&timings, believed);
+    ((!timings.is_empty()).then_some(times.clock), times.samples_ms)
 }
 
 /// The record of what a structure took; of what was not timed without whole times.

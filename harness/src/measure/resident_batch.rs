@@ -178,7 +178,7 @@ impl<'a> Here<'a> {
             match &kept_builds {
                 None => {
                     let built = interleaved_set.build()?;
-                    self.check_device()?;
+                    self.context.check_device()?;
                     let ended =
                         BuildsMeasured { participants: built.outcomes, interleaved_sets: built.interleaved_sets };
                     journal.keep(&builds, &ended)?;
@@ -195,7 +195,7 @@ impl<'a> Here<'a> {
                     continue;
                 }
                 let answered = interleaved_set.trace(rays)?;
-                self.check_device()?;
+                self.context.check_device()?;
                 if let Some(what) = answered.invalid.as_ref().filter(|_| !self.place.options.lenient) {
                     return Err(RunError::Control(what.clone()));
                 }
@@ -274,14 +274,6 @@ impl<'a> Here<'a> {
     /// Whether no other tracer is asked for: then there is nothing left that could be measured.
     fn is_alone(&self, tracer: &TracerRequest) -> bool {
         self.place.requests.iter().all(|other| other.tracer.name() == tracer.name())
-    }
-
-    /// A device that was lost ends the run: what it did not answer is no property of tracers.
-    fn check_device(&self) -> Result<(), RunError> {
-        match self.context.device {
-            Ok(gpu) if gpu.is_lost() => Err(RunError::Device(TracerError::Failed("the device was lost".to_owned()))),
-            _ => Ok(()),
-        }
     }
 
     /// Puts the outcomes of a resident batch's interleaved sets together, participant by participant.

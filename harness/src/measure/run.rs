@@ -3,6 +3,8 @@
 use std::cell::{OnceCell, RefCell};
 
 use itertools::Itertools as _;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use tracebench_api::{RayBuffer, TracerError};
 use tracebench_scenes::Scene;
 
@@ -52,6 +54,23 @@ impl<'a> Context<'a> {
         Ok(self.kernels.get_or_init(|| made))
     }
 
+    /// What the journal keeps under a name, or what is found now, which it keeps then.
+    ///
+    /// # Errors
+    /// What the work says; [`RunError::Journal`] if it cannot be kept.
+    pub(crate) fn kept<T: Serialize + DeserializeOwned>(
+        &self,
+        name: &str,
+        work: impl FnOnce() -> Result<T, RunError>,
+    ) -> Result<T, RunError> {
+        if let Some(kept) = self.journal.read(name)? {
+            return Ok(kept);
+        }
+        let found = work()?;
+        self.journal.keep(name, &found)?;
+        Ok(found)
+    }
+
     /// Whether a place is measured here.
     pub fn takes(&self, place: usize) -> bool {
         self.shard.as_ref().is_none_or(|shard| shard.takes(place))
@@ -71,6 +90,14 @@ impl<'a> Context<'a> {
     /// What the tracer says.
     pub(crate) fn config(&self, request: &TracerRequest) -> Result<TracerConfig, TracerError> {
         self.tracer_cache.borrow_mut().config(request, self.device)
+    }
+
+    /// A device that was lost ends the run: what it did not answer is no property of tracers.
+    pub(super) fn check_device(&self) -> Result<(), RunError> {
+        match self.device {
+            Ok(gpu) if gpu.is_lost() => Err(RunError::Device(TracerError::Failed("the device was lost".to_owned()))),
+            _ => Ok(()),
+        }
     }
 
     /// A stand-in for a configuration that cannot be created.

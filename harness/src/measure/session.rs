@@ -54,7 +54,7 @@ pub struct PreparedRays {
 }
 
 impl PreparedRays {
-    fn new(
+    pub(crate) fn new(
         set: RaySet,
         (rays, answers): (Arc<Vec<Ray>>, Arc<Vec<Answer>>),
         eye: Option<DVec3>,
@@ -199,7 +199,8 @@ impl Session {
         Self::with(truth.into(), viewpoint, None, vec![PreparedRays::new(set, known, eye, None)], Vec::new())
     }
 
-    fn with(
+    /// One that has such rays.
+    pub(crate) fn with(
         truth: Arc<Truth>,
         viewpoint: Viewpoint,
         gpu: Option<Arc<Gpu>>,

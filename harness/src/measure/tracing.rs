@@ -3,6 +3,7 @@
 use tracebench_api::{Hit, HitBuffer, Query, Timing};
 
 use super::RunError;
+use super::controls::checked;
 use super::doubled_work::{DoubledWork, invalid_reason};
 use super::interleaved_set::{InterleavedSet, Outcome, Participant};
 use super::records;
@@ -200,7 +201,7 @@ impl InterleavedSet<'_> {
         let mut invalid = None;
         if let Some(control) = self.participants[participant].control {
             let counts = true_counts(&rays.answers);
-            let of_hits = control.check(&judgement, &counts);
+            let of_hits = checked(control, &judgement, &rays.answers);
             let of_surfaces = surfaces.as_ref().map_or(Ok(()), |each| control.check_surfaces(each, &counts));
             invalid = of_hits.and(of_surfaces).err();
             // What a control gets wrong it gets wrong by design.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tracebench_api::{Hit, Update, Viewpoint};
+use tracebench_api::{Hit, Update};
 use tracebench_scenes::Scene;
 
 use super::RunError;
@@ -73,17 +73,15 @@ pub(crate) struct AnimationFrames {
     pub positions: Vec<Vec<[f32; 3]>>,
     pub triangles: Vec<[u32; 3]>,
     pub materials: Vec<u32>,
-    /// Where structures are built from at the first frame, if the eye moves from there to where it is at all others.
-    pub built_from: Option<Viewpoint>,
     /// Counted passes over them.
     pub passes: u32,
 }
 
 impl AnimationFrames {
     /// Frames of a scene.
-    pub fn new(scene: &Scene, positions: Vec<Vec<[f32; 3]>>, built_from: Option<Viewpoint>, passes: u32) -> Self {
+    pub fn new(scene: &Scene, positions: Vec<Vec<[f32; 3]>>, passes: u32) -> Self {
         let (triangles, materials) = (scene.mesh.triangles.clone(), scene.mesh.triangle_materials.clone());
-        Self { positions, triangles, materials, built_from, passes }
+        Self { positions, triangles, materials, passes }
     }
 }
 

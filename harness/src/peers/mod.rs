@@ -5,7 +5,7 @@ use tracebench_api::{Domain, ParameterScope, Preset, TracerError};
 use crate::launch::combinations;
 use crate::plan::TracerRequest;
 use crate::registrations::Switched;
-pub use crate::registrations::{Rows, Subject, Table};
+pub use crate::registrations::{Rows, Table};
 use crate::registry::{self, Family, Registration, TRACERS};
 use crate::results::MEMORY_ACCESS;
 
@@ -15,29 +15,12 @@ const TABLES: &[Table] = &[
         name: "bvh",
         summary: "bounding volume hierarchies: build rate, size, cost, speed with accuracy, counters, over every scene",
         rays: "primary,ao,specular,diffuse",
-        subject: Subject::Still,
         rows: Rows::Peers { family: Some(Family::Bvh), swept: Some("build") },
-    },
-    Table {
-        name: "bvh-updates",
-        summary: "bounding volume hierarchies over animations: rebuild and refit, their times and what is left of quality",
-        rays: "diffuse",
-        subject: Subject::Moving,
-        rows: Rows::Peers { family: Some(Family::Bvh), swept: None },
-    },
-    Table {
-        name: "view-updates",
-        summary: "every tracer along the camera's path: structures reused, refitted or rebuilt at every frame; the time of all frames, \
-                  and the accuracy at each",
-        rays: "primary,diffuse",
-        subject: Subject::Walked,
-        rows: Rows::Peers { family: None, swept: None },
     },
     Table {
         name: "launch-settings",
         summary: "equal launch settings: every tracer that searches on the device, by each way to read and to launch",
         rays: "primary,diffuse",
-        subject: Subject::Still,
         rows: Rows::LaunchSettings,
     },
 ];

@@ -17,7 +17,7 @@ pub fn primary_rays(viewpoint: &Viewpoint, image: [u32; 2]) -> Vec<Ray> {
 }
 
 /// The view whose pixels are those of the image.
-fn image_view(viewpoint: &Viewpoint, image: [u32; 2]) -> View {
+pub(crate) fn image_view(viewpoint: &Viewpoint, image: [u32; 2]) -> View {
     Viewpoint { frame: image, ..*viewpoint }.frame_view()
 }
 
@@ -32,11 +32,13 @@ fn each_pixel([width, height]: [u32; 2], ray: impl Fn(f64, f64) -> Ray + Sync) -
 
 fn through_pixels(viewpoint: &Viewpoint, image: [u32; 2]) -> Vec<(Pixel, Ray)> {
     let view = image_view(viewpoint, image);
-    each_pixel(image, |x, y| Ray {
-        // The eye itself, not its way through f64 and back.
-        origin: viewpoint.eye.into(),
-        ..unbounded(view.eye, view.direction_through(x, y).normalize())
-    })
+    each_pixel(image, |x, y| ray_through(viewpoint, &view, [x, y]))
+}
+
+/// From the eye through a place of its image, in pixels.
+pub(crate) fn ray_through(viewpoint: &Viewpoint, view: &View, [x, y]: [f64; 2]) -> Ray {
+    // The eye itself, not its way through f64 and back.
+    Ray { origin: viewpoint.eye.into(), ..unbounded(view.eye, view.direction_through(x, y).normalize()) }
 }
 
 pub(super) fn primary(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {

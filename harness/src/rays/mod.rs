@@ -14,11 +14,12 @@ mod tests;
 use std::sync::Arc;
 
 use glam::DVec3;
-use tracebench_api::{Query, Ray, Viewpoint};
+use tracebench_api::{Geometry, Query, Ray, Viewpoint};
 use tracebench_scenes::CameraPath;
 
 pub use centres::{BETWEEN_SAMPLES, between_samples, shared_centres};
 pub use eye::primary_rays;
+pub(crate) use eye::{image_view, ray_through};
 pub use order::TILE;
 pub use parameters::{Order, RayParameters, Target, check_ray_parameters, default_parameters, ray_parameters};
 pub use saved::KnownRays;
@@ -336,13 +337,33 @@ fn why_empty(kind: Kind, primary: &Starts) -> &'static str {
     }
 }
 
+/// An endless ray that leaves a surface on the side of its direction.
+pub(crate) fn leave(point: DVec3, normal: DVec3, direction: DVec3, diagonal: f64) -> Ray {
+    let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
+    unbounded(lift(point, side, diagonal), direction)
+}
+
+/// A ray that leaves a surface on the side of its normal and ends at a target; `None` where the surface faces away from it.
+pub(crate) fn towards(point: DVec3, normal: DVec3, target: DVec3, diagonal: f64) -> Option<Ray> {
+    let ray = leave(point, normal, normal, diagonal);
+    let way = target - DVec3::from(ray.origin.map(f64::from));
+    let direction = way.try_normalize().filter(|direction| direction.dot(normal) > 0.0)?;
+    Some(Ray { direction: direction.as_vec3().into(), t_max: way.length() as f32, ..ray })
+}
+
+/// The inner target of `visibility`: in the middle of the bounds, high up.
+pub(crate) fn inner_light(geometry: &Geometry) -> DVec3 {
+    let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
+    low + (high - low) * DVec3::new(0.5, 0.8, 0.5)
+}
+
 /// A ray without an end.
-fn unbounded(origin: DVec3, direction: DVec3) -> Ray {
+pub(crate) fn unbounded(origin: DVec3, direction: DVec3) -> Ray {
     Ray { origin: origin.as_vec3().into(), t_min: 0.0, direction: direction.as_vec3().into(), t_max: Ray::UNBOUNDED }
 }
 
 /// Lifts a point off its surface.
-fn lift(point: DVec3, side: DVec3, diagonal: f64) -> DVec3 {
+pub(crate) fn lift(point: DVec3, side: DVec3, diagonal: f64) -> DVec3 {
     let largest = point.abs().max_element() as f32;
     let ulp = f64::from(largest.next_up() - largest);
     point + side * (ORIGIN_OFFSET_DIAGONALS * diagonal + ORIGIN_OFFSET_ULPS * ulp)

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use tracebench_api::Ray;
 
 use super::sampling::{Stream, reflect, refract};
-use super::{AO_LENGTH_DIAGONALS, Pixel, RayScene, Starts, Target, lift, unbounded};
+use super::{AO_LENGTH_DIAGONALS, Pixel, RayScene, Starts, Target, inner_light, leave, towards, unbounded};
 use crate::truth::Ray64;
 
 /// Where a ray hit.
@@ -25,8 +25,7 @@ struct Surface {
 impl Surface {
     /// An endless ray that leaves on the side of its direction.
     fn leave(&self, scene: &RayScene<'_>, direction: DVec3) -> Ray {
-        let side = if direction.dot(self.normal) < 0.0 { -self.normal } else { self.normal };
-        unbounded(lift(self.point, side, scene.truth.diagonal()), direction)
+        leave(self.point, self.normal, direction, scene.truth.diagonal())
     }
 }
 
@@ -76,27 +75,18 @@ pub(super) fn ambient_occlusion(scene: &RayScene<'_>, primary: &Starts) -> Vec<(
 /// Surfaces that face away from a point send no ray to it.
 pub(super) fn visibility(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
     let geometry = scene.truth.geometry();
-    let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
-    let outside = geometry.outer_light();
-    let inside = low + (high - low) * INSIDE_TARGET;
+    let (outside, inside) = (geometry.outer_light(), inner_light(geometry));
     let targets = match scene.parameters.visibility_target {
         Target::Outside => vec![outside],
         Target::Inside => vec![inside],
         Target::Both => vec![outside, inside],
     };
     each_hit(scene, primary, |surface| {
-        let towards = |target: &DVec3| {
-            let ray = surface.leave(scene, surface.normal);
-            let way = *target - DVec3::from(ray.origin.map(f64::from));
-            let direction = way.try_normalize().filter(|direction| direction.dot(surface.normal) > 0.0)?;
-            Some((surface.pixel, Ray { direction: direction.as_vec3().into(), t_max: way.length() as f32, ..ray }))
-        };
-        targets.iter().filter_map(towards).collect::<Vec<_>>()
+        let ray = |target| towards(surface.point, surface.normal, target, scene.truth.diagonal());
+        let rays = targets.iter().filter_map(|target| ray(*target));
+        rays.map(|ray| (surface.pixel, ray)).collect::<Vec<_>>()
     })
 }
-
-/// The inner target of `visibility`, in shares of the bounds: in the middle, high up.
-const INSIDE_TARGET: DVec3 = DVec3::new(0.5, 0.8, 0.5);
 
 /// Mirrored, off mirrors alone; a scene without any is a mirror everywhere.
 pub(super) fn specular(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {

@@ -23,7 +23,7 @@ use tracebench_api::{Gpu, Parameters, Preset, Residency, Tracer, TracerDescripti
 
 use expectation::expected;
 pub use expectation::{Column, Expectation, Rule};
-pub use table::{Rows, Subject, Switched, Table};
+pub use table::{Rows, Switched, Table};
 
 /// The device, or why there is none: what a tracer that needs one is skipped for.
 pub type Device = Result<Arc<Gpu>, TracerError>;

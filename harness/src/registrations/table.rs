@@ -4,17 +4,6 @@ use tracebench_api::Preset;
 
 use super::Family;
 
-/// What a table is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
-    /// Builds and traces of scenes that stand still.
-    Still,
-    /// Structures that follow an animation.
-    Moving,
-    /// Structures that follow the camera's path, and the scene where it moves.
-    Walked,
-}
-
 /// A table.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Table {
@@ -24,8 +13,6 @@ pub struct Table {
     pub summary: &'static str,
     /// Ray sets where nothing else is said, as `--rays` takes them.
     pub rays: &'static str,
-    /// What is measured.
-    pub subject: Subject,
     /// Its rows.
     pub rows: Rows,
 }
@@ -65,7 +52,7 @@ pub(super) const fn switches(
     rays: &'static str,
     rows: &'static [Switched],
 ) -> Table {
-    Table { name, summary, rays, subject: Subject::Still, rows: Rows::Switches(rows) }
+    Table { name, summary, rays, rows: Rows::Switches(rows) }
 }
 
 /// A row of the published preset with other values.

@@ -111,7 +111,7 @@ pub(crate) fn run(configs: &[(&str, Quality)], sets: &[(&str, Query)]) -> Record
         table: None,
         sweep: None,
         tuning: None,
-        updates: None,
+        frames: None,
         cases: None,
         explanation: None,
         pareto: None,

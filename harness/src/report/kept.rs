@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::hash::sha256_of;
-use crate::results::{PICTURES_FOLDER, Record};
+use crate::results::{AttackRecord, FramesRecord, FrontScene, PICTURES_FOLDER, Record};
 
 /// Hexadecimal digits of a name.
 const DIGITS: usize = 32;
@@ -33,9 +33,16 @@ pub(crate) fn picture(path: &Path, name: &str) -> Kept {
     }
 }
 
+/// The pictures that a record names.
+pub(super) fn picture_files(record: &Record) -> impl Iterator<Item = &str> {
+    let of_fronts = record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files);
+    let of_frames = record.frames.iter().flat_map(FramesRecord::picture_files);
+    of_fronts.chain(record.attack.iter().flat_map(AttackRecord::picture_files)).chain(of_frames)
+}
+
 /// The pictures that a record names and under whose names something else lies.
 pub fn others(path: &Path, record: &Record) -> Vec<String> {
-    let files: BTreeSet<&str> = super::picture_files(record).collect();
+    let files: BTreeSet<&str> = picture_files(record).collect();
     files.into_iter().filter(|name| picture(path, name) == Kept::Other).map(str::to_owned).collect()
 }
 

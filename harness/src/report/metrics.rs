@@ -69,14 +69,6 @@ impl Metric {
         }
     }
 
-    /// Its value of a trace, without what else its cells have.
-    pub(crate) fn value(&self, trace: &TraceRecord) -> Option<f64> {
-        match self.source {
-            Source::Structure(_) => None,
-            Source::Trace(of) => of(trace)?.value(),
-        }
-    }
-
     /// Its value as a column.
     pub(crate) fn column<'a, R>(self, of: impl Fn(&R) -> Option<Traced<'_>> + 'a) -> Column<'a, R> {
         self.shown(move |row| of(row).and_then(|traced| self.cell(traced)))

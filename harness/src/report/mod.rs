@@ -19,6 +19,7 @@ mod explain;
 pub(crate) mod fixture;
 mod flat;
 pub(crate) mod format;
+mod frames;
 pub(crate) mod group;
 mod html;
 pub(crate) mod kept;
@@ -38,7 +39,6 @@ mod terminal;
 #[cfg(test)]
 mod tests;
 mod tune;
-mod updates;
 mod verdict;
 
 use std::collections::BTreeSet;
@@ -56,6 +56,7 @@ pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::EXPLAIN_PAGE;
 pub use flat::flat_table;
+pub use frames::FRAMES_PAGE;
 pub use html::{Claims, MAX_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
@@ -65,7 +66,7 @@ pub use terminal::run_table;
 pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
-use crate::results::{AttackRecord, FrontScene, PICTURES_FOLDER, Record, SCHEMA};
+use crate::results::{PICTURES_FOLDER, Record, SCHEMA};
 use document::Document;
 use group::Group;
 use kept::Kept;
@@ -164,10 +165,10 @@ type Maker = fn(&Record, Tables) -> Result<Report, ReportError>;
 /// Every study, a line each. The first that a record is of makes what derives from it.
 const STUDIES: &[Study] = &[
     study("sweep", Section::Study, &[tune::STEM], |record| record.tuning.is_some(), tune::report),
-    study("table", Section::Table, &[], |record| record.updates.is_some(), |record, _| of_updates(record)),
     study("stability", Section::Matrix, &[], |record| record.cases.is_some(), stability::report),
     study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), pareto::report),
     study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), need::report),
+    study("frames", Section::Study, &[frames::STEM], |record| record.frames.is_some(), frames::report),
     study("attack", Section::Study, &[], |record| record.attack.is_some(), attack::report),
     study("explain", Section::Study, &[], |record| record.explanation.is_some(), explain::report),
     study("judge", Section::Run, &chart::STEMS, |record| record.judged.is_some(), of_run),
@@ -202,7 +203,7 @@ impl Study {
 pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// What the names of derived files begin with, up to a dot or an underscore.
-const BEGINNINGS: &str = "agreement_over_tolerance attack break_even claims error_vs explain figure need operating_points pareto rows stability \
+const BEGINNINGS: &str = "agreement_over_tolerance attack break_even claims error_vs explain figure frames need operating_points pareto rows stability \
                           summary sweep table tune verdicts wrong_rays";
 
 /// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
@@ -222,7 +223,7 @@ pub fn write_run(record: &Record, folder: &OutputFolder, tables: Tables) -> Resu
     let mut paths = vec![folder.write(RUN_FILE, &files::json(RUN_FILE, record)?)?];
     // An older record, compressed, would pass for this one's.
     folder.remove(PACKED);
-    let kept: BTreeSet<String> = picture_files(record).map(|name| format!("{PICTURES_FOLDER}/{name}")).collect();
+    let kept: BTreeSet<String> = kept::picture_files(record).map(|name| format!("{PICTURES_FOLDER}/{name}")).collect();
     let pictures = folder.listed().into_iter().filter(|name| name.starts_with(PICTURES_FOLDER));
     pictures.filter(|name| !kept.contains(name)).for_each(|name| folder.remove(&name));
     paths.extend(write_derived(record, folder, tables)?);
@@ -234,7 +235,7 @@ pub fn write_run(record: &Record, folder: &OutputFolder, tables: Tables) -> Resu
 /// # Errors
 /// If a file cannot be written.
 pub fn take_pictures(record: &Record, from: &[PathBuf], folder: &OutputFolder) -> Result<(), ReportError> {
-    for name in picture_files(record) {
+    for name in kept::picture_files(record) {
         let found = from.iter().find_map(|path| match kept::picture(path, name) {
             Kept::Picture(bytes) => Some(bytes),
             _ => None,
@@ -244,12 +245,6 @@ pub fn take_pictures(record: &Record, from: &[PathBuf], folder: &OutputFolder) -
         }
     }
     Ok(())
-}
-
-/// The pictures that a record names.
-fn picture_files(record: &Record) -> impl Iterator<Item = &str> {
-    let of_fronts = record.pareto.iter().flat_map(|section| &section.scenes).flat_map(FrontScene::picture_files);
-    of_fronts.chain(record.attack.iter().flat_map(AttackRecord::picture_files))
 }
 
 /// Writes what is derived from a record and gives the paths: the pages, tables and charts of what was asked.
@@ -310,18 +305,6 @@ fn of_run(record: &Record, of_table: Tables) -> Result<Report, ReportError> {
     };
     let sweep = record.sweep.as_ref().map(|section| sweep::report(record, section, &groups)).unwrap_or_default();
     Ok(summary.and(of_table(record)?).and(sweep))
-}
-
-/// The table of a record that follows animations.
-///
-/// # Errors
-/// If the record follows none.
-pub(crate) fn of_updates(record: &Record) -> Result<Report, ReportError> {
-    let none = || ReportError::NotMade {
-        what: "a table over animations".to_owned(),
-        reason: "the record follows no animation".to_owned(),
-    };
-    Ok(updates::report(record, record.updates.as_ref().ok_or_else(none)?))
 }
 
 /// Where the table of a folder stands.

@@ -10,7 +10,7 @@ use super::format::trace_to;
 use super::group::{Group, RaySet};
 use super::metrics::{METRICS, Metric, with_ambiguous};
 use super::sheet::{Cell, Column, Columns, Sheet, Table};
-use crate::results::{Judgement, Record, TraceRecord, UpdateModeRecord, WrongRay};
+use crate::results::{Judgement, Record, TraceRecord, WrongRay};
 
 /// A row of a record in its place.
 pub(super) type Placed<'a> = (&'a Group<'a>, &'a RaySet<'a>, TableRow<'a>);
@@ -26,9 +26,6 @@ pub(super) fn rows<'a, R: 'a>(
     let rows: Vec<Told<'a, R>> = placed(groups).map(|row| (row, of(&row))).collect();
     let beside = with_ambiguous(record.rows.iter().flat_map(|row| &row.traces));
     let metric = |metric| Metric::column(metric, |((.., (_, row, trace)), _): &Told<'a, R>| Some((row, trace)));
-    let update_mode = |of: fn(&UpdateModeRecord) -> Cell| {
-        move |((.., (_, row, _)), _): &Told<'a, R>| row.update_mode.as_ref().map_or(Cell::Absent, of)
-    };
     let sheet = Sheet::<Told<'a, R>>::new()
         .csv_column("role", |((.., (role, ..)), _)| role.name())
         .csv_column("scene", |((group, ..), _)| group.scene.name.clone())
@@ -44,9 +41,9 @@ pub(super) fn rows<'a, R: 'a>(
         .csv_column("tracer_preset", |((.., (_, row, _)), _)| row.tracer.preset.clone())
         .json("parameters_json", |((.., (_, row, _)), _)| &row.tracer.parameters)
         .csv_column("residency", |((.., (_, row, _)), _)| row.tracer.residency.clone())
-        .csv_column("update_mode", update_mode(|mode| mode.name.clone().into()))
-        .csv_column("frame_index", update_mode(|mode| mode.frame_index.map_or(Cell::Absent, Cell::from)))
-        .csv_column("stale_by", update_mode(|mode| mode.stale_by.join(" ").into()))
+        .csv_column("update_mode", |((.., (_, row, _)), _)| {
+            row.update_mode.as_ref().map_or(Cell::Absent, |mode| mode.name.clone().into())
+        })
         .csv_column("rays", |((.., (.., trace)), _)| trace.rays.clone())
         .csv_column("rays_sha256", |((.., (.., trace)), _)| trace.rays_sha256.clone())
         .csv_column("query", |((.., (.., trace)), _)| query(trace.query))

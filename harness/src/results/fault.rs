@@ -7,7 +7,7 @@ use tracebench_api::Query;
 use super::values::Checked;
 use super::{
     Classes, InterleavedSetRecord, Judgement, Percentiles, PoseRecord, Provenance, RULES_VERSION, Record, Row, Times,
-    TraceRecord, TrueCounts,
+    TraceRecord, TrueCounts, WaveRow,
 };
 use crate::statistics::median;
 
@@ -48,7 +48,7 @@ impl Record {
             ],
         )?;
         // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
-        let may_be_empty = self.provenance.shard.is_some() || self.cases.is_some();
+        let may_be_empty = self.provenance.shard.is_some() || self.cases.is_some() || self.frames.is_some();
         all("", [("rows", may_be_empty || !self.rows.is_empty(), "filled: it has no rows")])?;
         for (list, rows) in [("rows", &self.rows), ("controls", &self.controls), ("anchors", &self.anchors)] {
             each(list, rows, |at, row| self.row(at, row))?;
@@ -72,6 +72,34 @@ impl Record {
                     let rule = "a number for the tracer as it was asked for and one for each of `remedies`";
                     all(at, [("wrong_by_remedy", set.wrong_by_remedy.len() == steps, rule)])
                 })
+            })?;
+        }
+        if let Some(frames) = &self.frames {
+            each("frames.scenes", &frames.scenes, |at, scene| {
+                let all = scene.viewpoints.len() == scene.scene_sha256.len()
+                    && scene.viewpoints.len() <= frames.frames as usize;
+                self::all(at, [("viewpoints", all, "one a frame")])
+            })?;
+            each("frames.rows", &frames.rows, |at, row| {
+                let scene = frames.scenes.get(row.scene as usize);
+                let set = row.interleaved_set.is_none_or(|set| (set as usize) < self.interleaved_sets.len());
+                let few = scene.is_some_and(|scene| row.frames.len() <= scene.viewpoints.len());
+                let waves = row.frames.iter().flat_map(|frame| frame.works.values()).flat_map(|work| &work.waves);
+                let sound =
+                    |wave: &WaveRow| wave.judged <= wave.rays && wave.right.iter().all(|right| *right <= wave.judged);
+                all(
+                    at,
+                    [
+                        ("scene", scene.is_some(), "the place of one of `frames.scenes`"),
+                        ("interleaved_set", set, "the place of one of `interleaved_sets`"),
+                        ("frames", few, "no more than the scene has"),
+                        (
+                            "frames.works.waves",
+                            waves.clone().all(sound),
+                            "no more right than judged, and no more judged than there are",
+                        ),
+                    ],
+                )
             })?;
         }
         if let Some(attack) = &self.attack {
@@ -306,13 +334,13 @@ mod tests {
         let fronts = record(include_bytes!("../../fuzz/seeds/pareto.json.xz"));
         let sweep = record(include_bytes!("../../fuzz/seeds/sweep.json.xz"));
         let tuned = record(include_bytes!("../../fuzz/seeds/tune.json.xz"));
-        let updates = record(include_bytes!("../../fuzz/seeds/updates.json.xz"));
+        let moving = record(include_bytes!("../../fuzz/seeds/frames.json.xz"));
         let cases = record(include_bytes!("../../fuzz/seeds/stability.json.xz"));
-        for whole in [&plain, &explained, &fronts, &sweep, &tuned, &updates, &cases] {
+        for whole in [&plain, &explained, &fronts, &sweep, &tuned, &moving, &cases] {
             assert_eq!(refusal(whole), "");
         }
         let trace = |rest: &str| format!("/rows/0/traces/0{rest}");
-        let changes: [(&Value, &str, Value, &str); 40] = [
+        let changes: [(&Value, &str, Value, &str); 39] = [
             (&plain, "/rows", json!([]), "`rows` must be filled: it has no rows"),
             (&plain, "/rules_version", json!(99), "`rules_version` must be that of this program or less"),
             (&plain, "/control_names", json!(["oracle"]), "`control_names` must be all controls"),
@@ -416,10 +444,10 @@ mod tests {
                 "`tuning.scenes[0].viewpoints` is empty and must be filled",
             ),
             (
-                &updates,
-                "/updates/scenes/0/times_s",
-                json!([]),
-                "`updates.scenes[0].times_s` is empty and must be filled",
+                &moving,
+                "/frames/rows/0/scene",
+                json!(9),
+                "`frames.rows[0].scene` must be the place of one of `frames.scenes`",
             ),
             (
                 &cases,

@@ -1,6 +1,6 @@
 //! Shards of one plan joined into one record.
 
-use super::{Provenance, Record, Row, ShardRecord, SweepRecord};
+use super::{FrameSeries, Provenance, Record, Row, ShardRecord, SweepRecord};
 
 /// Why records cannot be joined.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -94,8 +94,15 @@ fn join(whole: &mut Record, mut shard: Record, machine: u32) {
     if let (Some(whole), Some(shard)) = (&mut whole.tuning, shard.tuning) {
         whole.scenes.extend(shard.scenes);
     }
-    if let (Some(whole), Some(shard)) = (&mut whole.updates, shard.updates) {
+    if let (Some(whole), Some(shard)) = (&mut whole.frames, shard.frames) {
+        let scenes = whole.scenes.len() as u32;
         whole.scenes.extend(shard.scenes);
+        whole.rows.extend(shard.rows.into_iter().map(|row| FrameSeries {
+            scene: row.scene + scenes,
+            interleaved_set: row.interleaved_set.map(|set| set + before),
+            machine,
+            ..row
+        }));
     }
     if let (Some(whole), Some(shard)) = (&mut whole.cases, shard.cases) {
         whole.cases.extend(shard.cases);

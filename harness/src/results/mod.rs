@@ -10,6 +10,7 @@ mod attack;
 mod cases;
 mod explanation;
 mod fault;
+mod frames;
 mod interleaved_set;
 mod judgement;
 mod key;
@@ -26,7 +27,6 @@ mod sweep;
 pub(crate) mod times;
 mod trace;
 mod tuning;
-mod updates;
 mod values;
 
 use std::collections::BTreeMap;
@@ -43,6 +43,10 @@ pub use explanation::{
     Explained, ExplanationRecord, GIVEN_UP, MAX_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
 };
 pub use fault::CONTROL_NAMES;
+pub use frames::{
+    AnswersRow, FramePictures, FrameRow, FrameSeries, FramesRecord, ImageRow, MovingScene, ROUNDED_ORACLE, SAH_COST,
+    WaveRow, WorkRow,
+};
 pub use interleaved_set::{
     Adaptive, ClockTicks, DoubledWorkRecord, InterleavedSetRecord, KernelRecord, MIN_ROUNDS, MIN_TICKS, SampleSchedule,
     StopReason,
@@ -67,13 +71,12 @@ pub use pareto::{
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use resident_batches::MARK;
-pub use row::{MemoryRecord, Row, SceneRecord, TracerRecord, ViewpointRecord};
+pub use row::{MemoryRecord, Row, SceneRecord, TracerRecord, UpdateModeRecord, ViewpointRecord};
 pub(crate) use row::{config, said};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};
 pub use times::{BuildRecord, PhaseRecord, Times};
 pub use trace::{CounterRecord, SelfReported, TraceRecord};
 pub use tuning::{TunedScene, TuningRecord, place_name};
-pub use updates::{FRESH_BUILD, SceneFollowed, UpdateModeRecord, UpdatesRecord};
 
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 3;
@@ -99,9 +102,6 @@ pub struct Record {
     /// What a tuning adds to its sweep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tuning: Option<TuningRecord>,
-    /// What rows that follow animations have in common.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub updates: Option<UpdatesRecord>,
     /// The cases of a stability matrix.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cases: Option<CasesRecord>,
@@ -111,6 +111,9 @@ pub struct Record {
     /// Points of several tracers, for fronts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pareto: Option<ParetoRecord>,
+    /// Frames of moving scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<FramesRecord>,
     /// Structures that were shrunk until answers got worse.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub need: Option<NeedRecord>,
@@ -180,7 +183,8 @@ impl Record {
             ("pareto", self.pareto.is_some()),
             ("need", self.need.is_some()),
             ("attack", self.attack.is_some()),
-            ("table", self.updates.is_some() || self.table.is_some()),
+            ("frames", self.frames.is_some()),
+            ("table", self.table.is_some()),
             ("sweep", self.sweep.is_some()),
         ];
         sections.into_iter().find(|(_, is_there)| *is_there).map_or("run", |(verb, _)| verb)

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use tracebench_api::MemoryEntry;
 
-use super::{BuildRecord, TraceRecord, UpdateModeRecord};
+use super::{BuildRecord, TraceRecord};
 
 /// One tracer on one scene from one viewpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub struct Row {
     /// What it was made by: a hash of the sources of its tracer, of rays, truth and judge; none of rows of before there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<String>,
-    /// How it followed an animation, if it did.
+    /// How its structure was brought up to date, where it was not built.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub update_mode: Option<UpdateModeRecord>,
     /// The difficulty level of the case that its scene is, if it is one.
@@ -62,6 +62,15 @@ impl Row {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
 fn is_first(place: &u32) -> bool {
     *place == 0
+}
+
+/// How a structure was brought up to date. The row's `build` has the times of that.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UpdateModeRecord {
+    /// Name.
+    pub name: String,
+    /// Parameters that it sets, with their values.
+    pub parameters: BTreeMap<String, serde_json::Value>,
 }
 
 /// A scene.

@@ -8,7 +8,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, Seq
 
 /// Fields whose numbers may lie below zero. All others, and all below them, count or measure something.
 const SIGNED: &str =
-    "eye forward up origin direction change deviations structure_statistics difficulty_level time_s times_s";
+    "eye forward up origin direction change deviations structure_statistics difficulty_level time_s times_s ssim";
 /// Fields whose numbers are shares, and all below them.
 const SHARES: &str = "agreement interval identity within_common_texel within_own_texel balanced_accuracy balanced_accuracy_interval \
                       material normal position interval_coverage featured min_featured most_wrong least_wrong max_lost_share";

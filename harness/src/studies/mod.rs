@@ -4,10 +4,10 @@
 pub mod attack;
 pub mod clock;
 pub mod explain;
+pub mod frames;
 pub mod judge;
 pub mod need;
 pub mod pareto;
 pub mod stability;
 pub mod sweep;
 pub mod tune;
-pub mod updates;

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use crate::files::OutputFolder;
 use crate::papers::{self, Experiment, PAPERS, Paper};
-use crate::peers::{self, Subject};
+use crate::peers;
 use crate::plan::Plan;
 use crate::report::document::Document;
 use crate::report::{self, Report, ReportError};
@@ -113,11 +113,6 @@ impl Table {
         self.words()[2]
     }
 
-    /// Whether it is over animations, or along the camera's path.
-    pub fn is_moving(self) -> bool {
-        matches!(self, Self::Settings(peers::Table { subject: Subject::Moving | Subject::Walked, .. }))
-    }
-
     /// Whether a tracer of this name belongs into it.
     pub fn holds(self, tracer: &str) -> bool {
         match self {
@@ -165,14 +160,10 @@ pub fn write(table: Table, record: &Record, folder: &OutputFolder) -> Result<Vec
             table.name()
         )));
     }
-    let report = match (table.is_moving(), &record.updates) {
-        (true, _) => report::of_updates(record)?,
-        (false, None) if !record.rows.iter().any(|one| table.holds(&one.tracer.name)) => {
-            return Err(made("no tracer of this record belongs into it"));
-        }
-        (false, Some(_)) => return Err(made("the record follows animations")),
-        (false, None) => table.report(record)?,
-    };
+    if !record.rows.iter().any(|one| table.holds(&one.tracer.name)) {
+        return Err(made("no tracer of this record belongs into it"));
+    }
+    let report = table.report(record)?;
     report::write_all(&report.contents()?, folder)
 }
 
@@ -182,7 +173,6 @@ mod tests {
 
     use super::*;
     use crate::report::fixture;
-    use crate::results::UpdatesRecord;
 
     /// Every table is found by its name, which no other has.
     #[test]
@@ -217,14 +207,11 @@ mod tests {
         }
         let others = Record { rows: record.rows[1..].to_vec(), ..record };
         assert!(write(bvh, &others, &folder).unwrap_err().to_string().contains("no tracer"));
-        let updates = Some(UpdatesRecord { frames: 1, passes: 1, scenes: Vec::new() });
-        let films = Record { table: Some("bvh-updates".to_owned()), updates, ..others };
         let foreign = |name: &str, record: &Record| {
             let error = write(Table::find(name).unwrap(), record, &folder).unwrap_err().to_string();
             assert!(error.contains(&format!("table {name}: the record was made for table ")), "{error}");
             error
         };
-        assert!(foreign("view-updates", &films).contains("table bvh-updates, "));
         // Tracers of both belong into both.
         let figure = Record { table: Some("dirt-figure7".to_owned()), ..fixture::typical() };
         assert!(foreign("dirt-table1", &figure).contains("table dirt-figure7, "));

@@ -6,6 +6,7 @@ mod compare;
 mod exchange;
 mod far;
 mod faults;
+mod frames;
 mod fronts;
 mod handing_in;
 mod inputs;

@@ -1,4 +1,4 @@
-//! What a run, a report and a picture leave.
+//! What a run and a report leave.
 
 use super::*;
 
@@ -374,33 +374,6 @@ fn settings_are_recorded() {
     assert_eq!(run["rows"][1]["viewpoint"]["frame"], json!([40, 30]));
     assert_eq!((&run["rows"][1]["viewpoint"]["face"], &run["seed"]), (&json!(9), &json!(5)));
     assert_eq!(run["rows"][0]["build"]["samples_ms"].as_array().unwrap().len(), 2);
-}
-
-/// Proves that a picture of each kind is a PNG of the size asked for, that it shows something, and that nothing else is
-/// left in its folder.
-#[test]
-fn pictures() {
-    let bench = Bench::new();
-    std::fs::write(bench.path("one.glb"), glb(&TRIANGLE)).unwrap();
-    std::fs::create_dir(bench.path("pictures")).unwrap();
-    for tracer in ["bvh-cpu", "screen-dda"] {
-        for what in ["shaded", "depth", "error"] {
-            let name = format!("pictures/{tracer}-{what}.png");
-            let outcome = bench.call(&[
-                "picture", "--quiet", "--scene", "one.glb", "--tracer", tracer, "--what", what, "--size", "37x21",
-                "--out", &name,
-            ]);
-            assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-            let file = std::io::BufReader::new(std::fs::File::open(bench.path(&name)).unwrap());
-            let mut reader = png::Decoder::new(file).read_info().unwrap();
-            assert_eq!((reader.info().width, reader.info().height), (37, 21));
-            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-            reader.next_frame(&mut pixels).unwrap();
-            let colours: BTreeSet<&[u8]> = pixels.chunks(3).collect();
-            assert!(colours.len() >= 2, "{name} is all one colour");
-        }
-    }
-    assert_eq!(names(&bench.path("pictures")).len(), 6);
 }
 
 /// Proves that a time moves a scene that has an animation, later than its end no further, and leaves others alone.

@@ -112,54 +112,6 @@ fn a_table_of_switches() {
     }
 }
 
-/// Proves that every tracer follows in every way that it has, beside a fresh build; that a rebuild costs by the heuristic
-/// what a fresh build costs and a refit of a cloth more, with the same answers' accuracy; and that the table is made again.
-#[test]
-fn a_table_of_updates() {
-    let bench = Bench::new();
-    let arguments = ["--scene", "cloth", "--frames", "3", "--samples", "4", "--out", "out"];
-    // Without the samples of the others.
-    let outcome = bench.call(&[&["table", "bvh-updates"][..], &SMALL[..5], &arguments].concat());
-    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/run.json")).unwrap()).unwrap();
-    let counts = ["frames", "passes"].map(|name| found["updates"][name].as_u64().unwrap());
-    assert_eq!((counts, &found["table"]), ([3, 2], &json!("bvh-updates")));
-    assert_eq!(found["updates"]["scenes"][0]["times_s"].as_array().unwrap().len(), 4);
-    assert_eq!(found["controls"].as_array().unwrap().len(), 4);
-    let rows = found["rows"].as_array().unwrap();
-    let row = |tracer: &str, update_mode: &str| {
-        let found =
-            rows.iter().find(|row| row["tracer"]["name"] == tracer && row["update_mode"]["name"] == update_mode);
-        found.unwrap_or_else(|| panic!("no {update_mode} of {tracer}"))
-    };
-    for tracer in ["bvh-cpu", "bvh-gpu"] {
-        let [fresh, rebuild, refit] = ["fresh build", "rebuild", "refit"].map(|update_mode| row(tracer, update_mode));
-        let cost = |row: &Value| row["structure_statistics"]["sah_cost"].as_f64().unwrap();
-        assert!((cost(rebuild) / cost(fresh) - 1.0).abs() < 1e-9 && cost(refit) > 1.01 * cost(fresh), "{tracer}");
-        for row in [rebuild, refit] {
-            // Two passes over three frames.
-            let updates =
-                [&row["build"], &row["build"]["steady"]].map(|times| times["samples_ms"].as_array().unwrap().len());
-            assert_eq!((updates, &row["build"]["first"]), ([6; 2], &Value::Null));
-            let trace = &row["traces"][0];
-            assert_eq!(
-                (&trace["rays"], &trace["rays_sha256"]),
-                (&json!("diffuse"), &fresh["traces"][0]["rays_sha256"])
-            );
-            assert!(trace["judgement"]["agreement"]["tight"].as_f64().unwrap() > 0.98, "{trace}");
-        }
-        assert_eq!(rebuild["traces"][0]["hits_sha256"], fresh["traces"][0]["hits_sha256"]);
-    }
-    let file = bench.path("out/table_bvh_updates.md");
-    let before = std::fs::read(&file).unwrap();
-    for again in [vec!["report", "out"], vec!["report", "out/run.json"], vec!["table", "bvh-updates", "--from", "out"]]
-    {
-        std::fs::remove_file(&file).unwrap();
-        assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0, "{again:?}");
-        assert!(std::fs::read(&file).unwrap() == before, "{again:?}");
-    }
-}
-
 /// Proves that wrong arguments end with status 2 and name what is right, that what cannot be measured or read ends with 1,
 /// and that neither leaves a file.
 #[test]
@@ -168,10 +120,8 @@ fn wrong_tables() {
     for (arguments, parts) in [
         (vec!["bvhs"], vec!["bvhs", "'bvh'"]),
         (vec![], vec!["<NAME>"]),
-        (vec!["bvh", "--frames", "4"], vec!["--frames", "not over frames"]),
-        (vec!["bvh-updates", "--frames", "0"], vec!["--frames", "1..=240"]),
-        (vec!["bvh-updates", "--animation-time", "1"], vec!["--animation-time", "whole animations"]),
-        (vec!["view-updates", "--view", "door"], vec!["--view", "camera's path"]),
+        (vec!["bvh-updates"], vec!["frames --rays SET --move geometry"]),
+        (vec!["view-updates"], vec!["frames --rays SET --move camera"]),
         (vec!["bvh", "--scene", "rooom"], vec!["'room'"]),
         (vec!["bvh", "--rays", "diffus"], vec!["'diffuse'"]),
         (vec!["bvh", "--set", "screen-dda.stride=2"], vec!["not in"]),
@@ -182,22 +132,15 @@ fn wrong_tables() {
         bench.fails(&[&["table"][..], &arguments].concat(), 2, &parts);
     }
     bench.fails(&["table", "bvh", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["run.json"]);
-    bench.fails(
-        &["table", "bvh-updates", "--quiet", "--scene", "room", "--preset", "smoke", "--out", "out"],
-        1,
-        &["does not move"],
-    );
     assert!(names(bench.folder.path()).iter().all(|name| name == "cache"), "{:?}", names(bench.folder.path()));
     let other = json!({ "schema": 99 }).to_string();
     std::fs::write(bench.path("run.json"), &other).unwrap();
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["schema 99", "reads schema 3"]);
+    bench.fails(&["table", "bvh", "--from", "."], 1, &["schema 99", "reads schema 3"]);
     bench.fails(&["report", "run.json"], 1, &["schema 99"]);
     std::fs::write(bench.path("run.json"), "{\"schema\": 3}").unwrap();
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["run.json", "missing field"]);
+    bench.fails(&["table", "bvh", "--from", "."], 1, &["run.json", "missing field"]);
     bench.run(&["--tracer", "screen-dda", "--rays", "primary"], "views");
     bench.fails(&["table", "bvh", "--from", "views"], 1, &["no tracer of this record belongs"]);
-    bench.fails(&["table", "bvh-updates", "--from", "views"], 1, &["follows no animation"]);
 }
 
 /// Proves that without an adapter the peers on the host are in the table, and the others below it with the reason.

@@ -19,8 +19,7 @@ use tracebench_harness::studies::pareto::{Extent, Pareto};
 use tracebench_harness::studies::stability::{Candidate, measure};
 use tracebench_harness::studies::sweep::{Sweep, parameter_axis};
 use tracebench_harness::studies::tune::Tune;
-use tracebench_harness::studies::updates;
-use tracebench_harness::{papers, peers, tables};
+use tracebench_harness::{papers, tables};
 
 /// A few rays in a small scene.
 fn plan(scene: &str, tracers: &[TracerRequest]) -> Plan {
@@ -87,9 +86,6 @@ const VERBS: &[(&str, Verb)] = &[
     }),
     ("table bvh", |tracers, context| {
         vec![execute(&Plan { table: Some("bvh"), ..plan("candy", tracers) }, context).unwrap()]
-    }),
-    ("table bvh-updates", |tracers, context| {
-        vec![updates::execute(peers::find("bvh-updates").unwrap(), &plan("cloth", tracers), 2, context).unwrap()]
     }),
 ];
 

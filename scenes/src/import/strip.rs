@@ -267,7 +267,13 @@ fn strip_material(material: &mut Value) {
         .get_mut("extensions")
         .and_then(|extensions| extensions.get_mut("KHR_materials_pbrSpecularGlossiness"))
         .map(Value::take);
-    keep(material, &["alphaMode", "name", "pbrMetallicRoughness"]);
+    keep(material, &["alphaMode", "extensions", "name", "pbrMetallicRoughness"]);
+    if let Some(extensions) = material.get_mut("extensions") {
+        keep(extensions, &["KHR_materials_ior", "KHR_materials_transmission"]);
+        for (name, factor) in [("KHR_materials_ior", "ior"), ("KHR_materials_transmission", "transmissionFactor")] {
+            extensions.get_mut(name).into_iter().for_each(|extension| keep(extension, &[factor]));
+        }
+    }
     // Only told of.
     if !matches!(material.get("alphaMode").and_then(Value::as_str), Some("OPAQUE" | "MASK" | "BLEND")) {
         remove(material, "alphaMode");

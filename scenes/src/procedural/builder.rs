@@ -88,7 +88,7 @@ impl MeshBuilder {
 
     /// A new material.
     pub(super) fn material(&mut self, base_color: [f32; 3], metallic: f32, roughness: f32) -> MaterialId {
-        self.mesh.materials.push(Material { base_color, metallic, roughness });
+        self.mesh.materials.push(Material { base_color, metallic, roughness, refractive_index: None });
         MaterialId(self.mesh.materials.len() as u32 - 1)
     }
 

@@ -12,7 +12,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, WHITE, register_font};
 
 use super::palette::{Shape, Style};
-use crate::picture::encoded;
+use crate::render::encoded;
 
 /// Backend pixels a point: plotters takes whole pixels only, so small ones make positions exact and PNGs sharp.
 pub(super) const SCALE: f64 = 2.0;

@@ -10,6 +10,7 @@ mod front;
 mod palette;
 mod panel;
 mod scale;
+pub(super) mod scatter;
 pub(crate) mod series;
 pub(super) mod speed;
 pub(super) mod sweep;

@@ -12,6 +12,7 @@ mod fronts;
 mod in_short;
 mod pictures;
 mod pieces;
+mod player;
 mod read;
 mod records;
 #[cfg(test)]
@@ -108,6 +109,7 @@ pub fn page(
     sections.add("operating-points", "Operating points", fronts::operating_points(&places, &names));
     sections.add("break-even", "Break-even", fronts::break_even(&places, &machines, &names)?);
     sections.add("pictures", "Pictures of answers", pictures::pictures(&places, &machines));
+    sections.add("frames", "Frames", player::players(&all));
     sections.add("need", "The need curve", pages(Section::Need)?);
     let rows: Vec<Record> =
         all.iter().filter(|read| read.record.table.is_some()).map(|read| read.record.clone().into_owned()).collect();

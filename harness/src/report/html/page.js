@@ -22,6 +22,7 @@ function show() {
   }
   document.querySelectorAll("g.panel").forEach(redraw);
   document.querySelectorAll(".pictures").forEach(picture);
+  document.querySelectorAll(".player").forEach(frame);
   if (budget) within(out);
 }
 
@@ -136,6 +137,38 @@ document.addEventListener("change", (event) => {
   const figure = event.target.closest?.(".pictures");
   if (figure) picture(figure);
 });
+
+// Of the frames of a player one is shown: of the truth, or of a tracer's answer or error. Stills of a sheet are four pixels apart.
+function frame(figure) {
+  const select = figure.querySelector("select");
+  if (select.selectedOptions[0]?.classList.contains("out")) select.value = "truth";
+  const [error, range] = figure.querySelectorAll("input");
+  const { width, height } = figure.dataset;
+  const screen = figure.querySelector(".screen");
+  screen.style.width = `${width}px`;
+  screen.style.height = `${height}px`;
+  figure.querySelector("output").value = range.value;
+  for (const image of screen.querySelectorAll("img")) {
+    image.hidden = image.dataset.of !== select.value;
+    const { rows, columns } = image.dataset;
+    const row = Math.floor(range.value / columns) * rows + (rows > 1 && error.checked ? 1 : 0);
+    image.style.left = `${-(range.value % columns) * (+width + 4)}px`;
+    image.style.top = `${-row * (+height + 4)}px`;
+  }
+}
+for (const figure of document.querySelectorAll(".player")) {
+  const [, range] = figure.querySelectorAll("input");
+  let timer = 0;
+  figure.addEventListener("input", () => frame(figure));
+  figure.querySelector("button").addEventListener("click", (event) => {
+    clearInterval(timer);
+    timer = timer ? 0 : setInterval(() => {
+      range.value = +range.value < +range.max ? +range.value + 1 : 0;
+      frame(figure);
+    }, Math.max(40, 1000 / figure.dataset.fps));
+    event.target.textContent = timer ? "Stop" : "Play";
+  });
+}
 
 // Where rows are cards, every cell has its heading.
 for (const table of document.querySelectorAll("#answer table:not(#within)")) {

@@ -10,7 +10,7 @@ use tracebench_api::Query;
 
 use super::Place;
 use super::pieces::{Piece, Rank, Tags, escape};
-use crate::picture::painted::{ERROR_DECADES, class_legend};
+use crate::render::painted::{ERROR_DECADES, class_legend};
 use crate::report::format::significant;
 use crate::report::kept::{self, Kept};
 use crate::results::{PointPictures, Record, SetPictures};
@@ -33,7 +33,7 @@ pub(super) fn pictures(places: &[Place<'_>], machines: &[String]) -> Vec<Piece> 
 }
 
 /// A file beside a record as an address that holds it, if it is what its name says.
-fn address(record: &str, name: &str) -> Option<String> {
+pub(super) fn address(record: &str, name: &str) -> Option<String> {
     match kept::picture(Path::new(record), name) {
         Kept::Picture(bytes) => Some(format!("data:image/png;base64,{}", BASE64.encode(&bytes))),
         _ => None,

@@ -82,7 +82,7 @@ fn folder(path: &str) -> Vec<&str> {
 
 /// Whether every row of a record is something to choose: it is no study, and rows of a table are chosen for what that is of.
 fn is_plain(record: &Record) -> bool {
-    let is_study = record.sweep.is_some() || record.is_untimed() || record.updates.is_some() || record.need.is_some();
+    let is_study = record.sweep.is_some() || record.is_untimed() || record.frames.is_some() || record.need.is_some();
     !is_study && record.table.is_none()
 }
 

@@ -249,12 +249,7 @@ impl Pareto {
         let (frame, options) = ((scene, Some(film)), MeasureOptions::timed(&plan));
         let mut found = measure::measure_scene(index, &plan, frame, &requests, options, None, context)?;
         for row in found.rows.iter_mut().flatten() {
-            row.update_mode = Some(UpdateModeRecord {
-                name: STILL_REFIT.to_owned(),
-                parameters: Default::default(),
-                frame_index: None,
-                stale_by: Vec::new(),
-            });
+            row.update_mode = Some(UpdateModeRecord { name: STILL_REFIT.to_owned(), parameters: Default::default() });
         }
         self.add(record, &points, found, &format!("{name}, refits"));
         Ok(())
@@ -320,7 +315,7 @@ fn left_out(section: &ParetoRecord) -> Vec<Skipped> {
 /// Frames over which nothing moves, with a counted refit in each pass.
 fn still(scene: &Scene, passes: u32) -> AnimationFrames {
     let positions = vec![scene.mesh.positions.clone(); 2];
-    AnimationFrames::new(scene, positions, None, passes)
+    AnimationFrames::new(scene, positions, passes)
 }
 
 /// The refit of a point in a scene, if it was measured.

@@ -11,7 +11,7 @@ use crate::hash::sha256_of;
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
 use crate::measure::{JournalError, MAX_RESIDENT, Observations, RunError};
-use crate::picture::painted::{Canvas, Painted};
+use crate::render::painted::{Canvas, Painted};
 use crate::results::{PICTURES_FOLDER, PointPictures, SetPictures};
 
 /// Points that stand on a front by the rule that charts are drawn by, at any cost; no more than are there at a time.

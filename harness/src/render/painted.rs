@@ -3,9 +3,20 @@
 
 use tracebench_api::Query;
 
-use super::{AMBIGUOUS_COLOUR, CLASS_COLOURS, PictureError, Rgb, encoded};
+use super::{ImageError, Rgb, encoded};
 use crate::judge::Class;
 use crate::rays::Pixel;
+
+/// Colours of the classes, and of ambiguous any-hit rays.
+pub(crate) const CLASS_COLOURS: [(Class, Rgb); 6] = [
+    (Class::TrueHit, [210, 210, 210]),
+    (Class::TrueMiss, [245, 245, 245]),
+    (Class::FalseHit, [230, 60, 180]),
+    (Class::FalseMiss, [215, 40, 40]),
+    (Class::Early, [240, 150, 30]),
+    (Class::Late, [40, 100, 220]),
+];
+const AMBIGUOUS_COLOUR: Rgb = [120, 90, 40];
 
 /// A pixel from which no ray started.
 const NONE: u8 = 0;
@@ -112,8 +123,8 @@ impl Painted {
     /// As a PNG.
     ///
     /// # Errors
-    /// [`PictureError::Encode`].
-    pub(crate) fn png(&self) -> Result<Vec<u8>, PictureError> {
+    /// [`ImageError::Encode`].
+    pub(crate) fn png(&self) -> Result<Vec<u8>, ImageError> {
         encoded(self.size, &self.pixels, |encoder| {
             encoder.set_color(png::ColorType::Indexed);
             encoder.set_palette(self.palette.as_flattened().to_vec());

@@ -1,0 +1,274 @@
+//! Effects: images of a frame, wave by wave, beside the one that the truth gives by the same random numbers.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use tracebench_api::{Gpu, Hit, RayBuffer, Surface, Timing, TracerError, Viewpoint};
+
+use super::watch::{Asked, Verdicts};
+use super::{FramesRequest, PathsOf};
+use crate::measure::controls::Control;
+use crate::measure::session::SessionError;
+use crate::measure::{self, Context, RunError, Traced, TracerConfig};
+use crate::plan::Plan;
+use crate::render::{self, Effect, Exposure, Image8, Paths, Stage, Wave, animation, error_picture, likeness, strip};
+use crate::results::{FramePictures, ImageRow, PICTURES_FOLDER, WaveRow};
+use crate::truth::{Answer, Ray64, Truth};
+
+/// On a tracer's own paths one of so many rays behind the first wave is judged: the truth of each is told anew.
+const JUDGED_ONE_OF: u32 = 8;
+
+/// Frames in a row of a sheet.
+const SHEET_COLUMNS: usize = 8;
+
+/// What is rendered from.
+pub(super) struct Studio<'a> {
+    pub plan: &'a Plan,
+    pub request: &'a FramesRequest,
+    pub stage: Arc<Stage>,
+    pub truth: &'a Truth,
+    pub viewpoint: &'a Viewpoint,
+    pub gpu: Option<&'a Gpu>,
+}
+
+/// A wave of the truth's.
+struct TrueWave {
+    wave: Wave,
+    buffer: RayBuffer,
+    /// With ambiguity, where all are judged by it.
+    answers: Vec<Answer>,
+    /// The paths behind it, where others go on with these.
+    after: Option<Paths>,
+}
+
+/// The truth's image.
+pub(super) struct Reference {
+    effect: Effect,
+    pub exposure: Exposure,
+    waves: Vec<TrueWave>,
+    paths: Paths,
+    pub image: Image8,
+}
+
+/// Who answers a wave.
+pub(super) enum Answering<'a> {
+    /// A tracer.
+    Tracer(&'a TracerConfig),
+    /// A control; the oracle by f64.
+    Control(Control),
+    /// The oracle with t in f32.
+    Rounded,
+}
+
+/// What one rendered.
+pub(super) struct Rendered {
+    pub waves: Vec<(WaveRow, Option<Timing>)>,
+    /// None where it only warmed up.
+    pub image: Option<(ImageRow, Image8, Image8, Vec<[f32; 3]>)>,
+}
+
+/// A picture could not be made.
+fn failed(error: render::ImageError) -> RunError {
+    RunError::Picture(error.to_string())
+}
+
+/// Nearest hits, without ambiguity.
+fn nearest(truth: &Truth, wave: &Wave) -> Vec<Answer> {
+    let answer = |ray| Answer { hit: truth.closest(&Ray64::from(ray)), perturbed: None };
+    wave.rays.par_iter().map(answer).collect()
+}
+
+impl Studio<'_> {
+    fn paths(&self, effect: Effect) -> Paths {
+        let (size, seed) = (self.plan.preset.ray_image, self.plan.seed);
+        Paths::new(Arc::clone(&self.stage), effect, self.viewpoint, size, self.request.spp, seed)
+    }
+
+    /// The truth's image, exposed as that of the first frame was.
+    pub(super) fn reference(
+        &self,
+        effect: Effect,
+        exposure: Option<Exposure>,
+        context: &Context<'_>,
+    ) -> Result<Reference, RunError> {
+        let follows = self.request.paths == PathsOf::Truth;
+        let (mut paths, mut waves) = (self.paths(effect), Vec::new());
+        while let Some(wave) = paths.next_wave() {
+            let answers = if wave.number == 0 || follows {
+                let told = self.truth.answer(&wave.rays, wave.query, context.cache, context.progress);
+                told.map_err(SessionError::from)?
+            } else {
+                nearest(self.truth, &wave)
+            };
+            paths.answer(&wave, &wave.answers_of_hits(self.truth, |ray| answers[ray].hit));
+            let buffer = RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu);
+            waves.push(TrueWave { wave, buffer, answers, after: follows.then(|| paths.clone()) });
+        }
+        let linear = paths.image();
+        let exposure = exposure.unwrap_or_else(|| Exposure::of(effect, &linear));
+        Ok(Reference { effect, exposure, waves, image: linear.developed(exposure), paths })
+    }
+
+    /// What one answers to an effect. The inner error is the tracer's.
+    pub(super) fn rendered(
+        &self,
+        reference: &Reference,
+        answering: &Answering<'_>,
+        name: &str,
+        counts: bool,
+    ) -> Result<Result<Rendered, TracerError>, RunError> {
+        let follows = self.request.paths == PathsOf::Truth;
+        let effect = reference.effect;
+        let (mut paths, mut waves) = (self.paths(effect), Vec::new());
+        while let Some(wave) = paths.next_wave() {
+            let known = reference.waves.iter().find(|known| known.wave.number == wave.number);
+            // The same rays as the truth's.
+            let shared = known.filter(|_| wave.number == 0 || follows);
+            let own = if shared.is_none() {
+                RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu)
+            } else {
+                RayBuffer::new(Arc::default(), wave.query, None)
+            };
+            let buffer = shared.map_or(&own, |known| &known.buffer);
+            let mut judged_by = None;
+            let (answers, hits, timing) = match answering {
+                Answering::Tracer(config) => match measure::trace_once(config, buffer, wave.end, self.gpu) {
+                    Ok(Traced { timing, hits, surfaces }) => {
+                        (shading(&wave, &hits, &surfaces, name)?, hits, Some(timing))
+                    }
+                    Err(error) => return Ok(Err(error)),
+                },
+                Answering::Control(control) => {
+                    let found = nearest(self.truth, &wave);
+                    let of = shared.map_or(&found, |known| &known.answers);
+                    let (hits, surfaces) = control.answered(self.truth.geometry(), &wave.rays, of);
+                    let answers = match control {
+                        Control::Oracle => wave.answers_of_hits(self.truth, |ray| of[ray].hit),
+                        _ => shading(&wave, &hits, &surfaces, name)?,
+                    };
+                    judged_by = Some(of.clone());
+                    (answers, hits, None)
+                }
+                Answering::Rounded => {
+                    let found = nearest(self.truth, &wave);
+                    let of = shared.map_or(&found, |known| &known.answers);
+                    let (hits, surfaces) = Control::Oracle.answered(self.truth.geometry(), &wave.rays, of);
+                    judged_by = Some(of.clone());
+                    (shading(&wave, &hits, &surfaces, name)?, hits, None)
+                }
+            };
+            if counts {
+                let truths = judged_by.as_deref().or(shared.map(|known| &known.answers[..]));
+                let verdicts = self.verdicts(effect, &wave, &hits, truths, name)?;
+                let row = WaveRow {
+                    name: wave.name(),
+                    rays: hits.len() as u64,
+                    trace_ms: None,
+                    judged: verdicts.judged,
+                    right: verdicts.right,
+                    answers: None,
+                };
+                waves.push((row, timing));
+            }
+            paths.answer(&wave, &answers);
+            if let Some(leader) = shared.and_then(|known| known.after.as_ref()) {
+                paths.follow(leader);
+            }
+        }
+        let image = if counts { Some(self.beside(reference, &paths)?) } else { None };
+        Ok(Ok(Rendered { waves, image }))
+    }
+
+    /// What the judge says of a wave: of all rays by a truth that is known, else of one of so many.
+    fn verdicts(
+        &self,
+        effect: Effect,
+        wave: &Wave,
+        hits: &[Hit],
+        truths: Option<&[Answer]>,
+        name: &str,
+    ) -> Result<Verdicts, RunError> {
+        let asked = |rays, answers| Asked {
+            truth: self.truth,
+            eye: self.viewpoint.eye.as_dvec3(),
+            name: effect.name(),
+            query: wave.query,
+            rays,
+            answers,
+        };
+        if let Some(truths) = truths {
+            return asked(&wave.rays, truths).verdicts(name, hits);
+        }
+        // What is no answer is none, judged or not.
+        asked(&wave.rays, &[]).are_answers(name, hits)?;
+        let chosen: Vec<usize> = (0..hits.len()).filter(|ray| wave.paths[*ray].is_multiple_of(JUDGED_ONE_OF)).collect();
+        let rays: Vec<_> = chosen.iter().map(|ray| wave.rays[*ray]).collect();
+        let hits: Vec<_> = chosen.iter().map(|ray| hits[*ray]).collect();
+        let answer = |ray| self.truth.answer_one(&Ray64::from(ray), wave.query);
+        let answers: Vec<Answer> = rays.par_iter().map(answer).collect();
+        asked(&rays, &answers).verdicts(name, &hits)
+    }
+
+    /// An image beside the reference: what it is like, itself, its error as a picture and by pixel.
+    fn beside(
+        &self,
+        reference: &Reference,
+        paths: &Paths,
+    ) -> Result<(ImageRow, Image8, Image8, Vec<[f32; 3]>), RunError> {
+        let (effect, truth) = (reference.effect, &reference.image);
+        let image = paths.image().developed(reference.exposure);
+        let like = likeness(effect, truth, &image).map_err(failed)?;
+        let mut beyond_by_wave: BTreeMap<String, u64> = BTreeMap::new();
+        if like.beyond > 0 {
+            let first = reference.paths.first_difference(paths);
+            let beyond = render::beyond(truth, &image).map_err(failed)?;
+            for wave in first.iter().zip(beyond).filter(|(_, beyond)| *beyond).map(|(wave, _)| wave) {
+                *beyond_by_wave.entry(wave.map_or_else(|| "none".to_owned(), Wave::name_of)).or_default() += 1;
+            }
+        }
+        let row = ImageRow {
+            mse: like.mse,
+            psnr_db: like.psnr_db,
+            ssim: like.ssim,
+            flip: like.flip,
+            beyond: like.beyond,
+            beyond_by_wave,
+            flicker: None,
+        };
+        let errors = render::errors(truth, &image).map_err(failed)?;
+        let error = error_picture(effect, truth, &image).map_err(failed)?;
+        Ok((row, image, error, errors))
+    }
+}
+
+/// A tracer's answers as they are shaded.
+fn shading(wave: &Wave, hits: &[Hit], surfaces: &[Surface], name: &str) -> Result<Vec<render::Answer>, RunError> {
+    let answers = wave.answers_of_tracer(hits, (!surfaces.is_empty()).then_some(surfaces));
+    answers.ok_or_else(|| RunError::Picture(format!("{name} has not one answer for each ray of wave {}", wave.name())))
+}
+
+/// Writes the frames of an image into the folder of results, if there is one: a sheet with the pictures of errors, and a moving one.
+pub(super) fn keep(
+    images: &[Image8],
+    errors: &[Image8],
+    fps: f64,
+    context: &Context<'_>,
+) -> Result<Option<FramePictures>, RunError> {
+    let Some(folder) = context.journal.results().filter(|_| !images.is_empty()) else { return Ok(None) };
+    let mut rows = Vec::new();
+    for start in (0..images.len()).step_by(SHEET_COLUMNS) {
+        let part = |all: &[Image8]| all.iter().skip(start).take(SHEET_COLUMNS).cloned().collect::<Vec<_>>();
+        rows.push(part(images));
+        rows.extend((!errors.is_empty()).then(|| part(errors)));
+    }
+    let sheet = strip(&rows).and_then(|sheet| animation(&[sheet], 1.0)).map_err(failed)?;
+    let moving = animation(images, fps).map_err(failed)?;
+    let write = |png: &[u8]| -> Result<String, RunError> {
+        let name = format!("{}.png", &crate::hash::sha256_of(png)[..32]);
+        folder.write(&format!("{PICTURES_FOLDER}/{name}"), png).map_err(measure::JournalError::from)?;
+        Ok(name)
+    };
+    let columns = images.len().min(SHEET_COLUMNS) as u32;
+    Ok(Some(FramePictures { sheet: write(&sheet)?, columns, animation: write(&moving)? }))
+}

@@ -1,0 +1,252 @@
+//! Moving scenes: structures follow the animation and the camera's path, and every frame is traced and judged; with effects it is
+//! rendered from each tracer's own answers, beside what the truth gives by the same random numbers.
+
+mod camera;
+mod images;
+mod points;
+mod watch;
+
+use std::collections::BTreeSet;
+
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use tracebench_api::{Query, Update};
+
+use crate::measure::{self, Context, MovingFrames, RunError, UpdatePolicy, records};
+use crate::plan::{Plan, TracerRequest};
+use crate::render::Effect;
+use crate::results::{FrameSeries, FramesRecord, InterleavedSetRecord, MovingScene, Record, Skipped};
+use tracebench_scenes::Scene;
+use watch::Watch;
+
+/// Most frames.
+pub const MAX_FRAMES: u32 = 240;
+
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Moves {
+    /// The scene alone, seen from where it is seen at first.
+    Geometry,
+    /// The camera alone.
+    Camera,
+    /// Both; in a scene that stands still the camera alone.
+    Both,
+}
+
+/// How structures are brought up to date.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Updates {
+    /// Reused where nothing that changed invalidates them, refitted where the method can while the SAH cost is below 1.5 times that of the last
+    /// build, else rebuilt.
+    Auto,
+    /// Rebuilt in every frame.
+    Rebuild,
+    /// Refitted in every frame; methods that cannot are left out.
+    Refit,
+    /// Never touched; marked where they are stale.
+    Reuse,
+}
+
+/// Whose hits paths go on from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PathsOf {
+    /// The tracer's own.
+    Own,
+    /// The truth's, so that rays are the same for all.
+    Truth,
+}
+
+/// What is asked for beside a plan, whose ray sets are traced in place of effects where there are none of these.
+#[derive(Clone, Debug)]
+pub struct FramesRequest {
+    /// What is rendered.
+    pub effects: Vec<Effect>,
+    /// Frames.
+    pub frames: u32,
+    /// Frames a second.
+    pub fps: f64,
+    /// Samples a pixel.
+    pub spp: u32,
+    /// What moves.
+    pub moves: Moves,
+    /// How structures follow.
+    pub update: Updates,
+    /// Whose hits paths go on from.
+    pub paths: PathsOf,
+    /// From which frame on the camera is at the second pose.
+    pub cut: Option<u32>,
+    /// Whether every frame has the rays of the first.
+    pub fixed_rays: bool,
+}
+
+/// A word of a choice, as the command line has it.
+fn word(choice: impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+impl FramesRequest {
+    /// As the journal keeps it.
+    pub fn describe(&self) -> Value {
+        let Self { frames, fps, spp, cut, fixed_rays, .. } = self;
+        let effects: Vec<&str> = self.effects.iter().map(|effect| effect.name()).collect();
+        json!({ "effects": effects, "frames": frames, "fps": fps, "spp": spp, "move": word(self.moves), "update": word(self.update),
+                "paths": word(self.paths), "cut": cut, "fixed_rays": fixed_rays })
+    }
+
+    fn policy(&self) -> UpdatePolicy {
+        match self.update {
+            Updates::Auto => UpdatePolicy::Auto,
+            Updates::Rebuild => UpdatePolicy::Always(Update::Rebuild),
+            Updates::Refit => UpdatePolicy::Always(Update::Refit),
+            Updates::Reuse => UpdatePolicy::Always(Update::Reuse),
+        }
+    }
+
+    /// Why a tracer cannot follow as it is asked, or cannot render an effect.
+    fn unserved(&self, tracer: &TracerRequest, effect: Option<Effect>) -> Option<String> {
+        let description = tracer.registration.describe();
+        match (effect, self.policy()) {
+            (Some(effect), _) if !description.ends.contains(&effect.end()) => {
+                Some(format!("{} ends at surfaces, and the method does not trace so far", effect.name()))
+            }
+            (Some(effect), _) if effect.asks_any() && !description.queries.contains(&Query::Any) => {
+                Some(format!("{} asks for any hit, which the method does not answer", effect.name()))
+            }
+            (None, UpdatePolicy::Always(update)) => description.serves(update).err().map(|error| error.to_string()),
+            _ => None,
+        }
+    }
+
+    /// That every effect is served by a tracer.
+    ///
+    /// # Errors
+    /// Which is not, with the reasons.
+    pub fn check(&self, tracers: &[TracerRequest]) -> Result<(), String> {
+        for effect in &self.effects {
+            let why: Vec<Option<String>> = tracers.iter().map(|tracer| self.unserved(tracer, Some(*effect))).collect();
+            if why.iter().all(Option::is_some) {
+                let why: BTreeSet<String> = why.into_iter().flatten().collect();
+                let why = why.into_iter().collect::<Vec<_>>().join("; ");
+                return Err(format!("effect {}: no tracer of --tracer serves it ({why})", effect.name()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The section of a record without scenes.
+    fn section(&self, plan: &Plan) -> FramesRecord {
+        FramesRecord {
+            frames: self.frames,
+            fps: self.fps,
+            size: plan.preset.ray_image,
+            spp: self.spp,
+            moves: word(self.moves),
+            update: word(self.update),
+            paths: word(self.paths),
+            cut: self.cut,
+            fixed_rays: self.fixed_rays,
+            works: match self.effects.is_empty() {
+                true => plan.ray_sets.iter().map(|set| set.name.to_owned()).collect(),
+                false => self.effects.iter().map(|effect| effect.name().to_owned()).collect(),
+            },
+            effects: !self.effects.is_empty(),
+            scenes: Vec::new(),
+            rows: Vec::new(),
+        }
+    }
+}
+
+/// A scene, measured.
+#[derive(Serialize, Deserialize)]
+struct SceneMeasured {
+    scene: MovingScene,
+    rows: Vec<FrameSeries>,
+    skipped: Vec<Skipped>,
+    interleaved_set: Option<InterleavedSetRecord>,
+}
+
+/// Measures every scene of a plan.
+///
+/// # Errors
+/// [`RunError`] as its variants say; scenes that ended are kept.
+pub fn execute(plan: &Plan, request: &FramesRequest, context: &Context<'_>) -> Result<Record, RunError> {
+    let mut record = measure::begin(std::slice::from_ref(plan), context);
+    let mut section = request.section(plan);
+    for (index, scene) in measure::load_at(plan, None, context.progress)?.into_iter().enumerate() {
+        if !context.takes(index) {
+            continue;
+        }
+        let name = scene.name.clone();
+        let measured =
+            match context.kept(&format!("{index:03}-frames"), || scene_measured(plan, request, scene, context)) {
+                Err(error @ RunError::NoOtherView(..)) => {
+                    let reason = format!("it has no camera path, and {error}");
+                    record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason });
+                    continue;
+                }
+                measured => measured?,
+            };
+        add(&mut record, &mut section, measured);
+    }
+    let is_empty = section.rows.iter().all(FrameSeries::is_control);
+    record.frames = Some(section);
+    if is_empty && context.shard.is_none() { Err(measure::nothing(&record)) } else { Ok(record) }
+}
+
+fn add(record: &mut Record, section: &mut FramesRecord, measured: SceneMeasured) {
+    let (scene, set) = (section.scenes.len() as u32, record.interleaved_sets.len() as u32);
+    record.interleaved_sets.extend(measured.interleaved_set);
+    record.skipped.extend(measured.skipped);
+    section.scenes.push(measured.scene);
+    let placed = |row: FrameSeries| FrameSeries { scene, interleaved_set: row.interleaved_set.map(|_| set), ..row };
+    section.rows.extend(measured.rows.into_iter().map(placed));
+}
+
+fn scene_measured(
+    plan: &Plan,
+    request: &FramesRequest,
+    mut scene: Scene,
+    context: &Context<'_>,
+) -> Result<SceneMeasured, RunError> {
+    let is_still = scene.animation.is_none();
+    if is_still && request.moves == Moves::Geometry {
+        return Err(RunError::Nothing(format!(
+            "scene {} has no animation, so nothing moves by --move geometry: leave it out, or take --move camera",
+            scene.name
+        )));
+    }
+    let begin_s = plan.time_s;
+    let time_s = |frame: u32| match request.moves {
+        Moves::Camera => begin_s,
+        Moves::Geometry | Moves::Both => begin_s + f64::from(frame) / request.fps,
+    };
+    let times_s: Vec<f64> = (0..request.frames).map(time_s).collect();
+    scene.drop_zero_area(&times_s)?;
+    scene.set_time(times_s[0])?;
+    let way = camera::way(plan, request, &scene)?;
+    context.progress.say(&format!(
+        "scene {}: {} triangles; camera: {}",
+        scene.name,
+        scene.mesh.triangles.len(),
+        way.said
+    ));
+    let mut film = MovingFrames { scene, times_s, poses: way.poses };
+    let mut watch = Watch::new(plan, request, &film, way.said, context)?;
+    let followers = watch.followers();
+    let followed = measure::follow(&mut film, &followers, request.policy(), plan, &mut watch, context)?;
+    let (labels, scene) = (followers.iter().map(|request| records::request_record(request).label()), film.scene.name);
+    for (tracer, refusal) in labels.zip(followed.refused) {
+        let skipped = |refusal: measure::Refusal| Skipped {
+            tracer: Some(tracer),
+            scene: scene.clone(),
+            rays: None,
+            reason: refusal.reason,
+        };
+        watch.skipped.extend(refusal.map(skipped));
+    }
+    watch.finish(followed.interleaved_set)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,336 @@
+//! Frames of a tracer that is right, of one that sees from its own eye alone, and of one that errs in every other frame.
+
+use glam::Vec3;
+use tracebench_api::{
+    Counter, Geometry, Hit, HitBuffer, Invalidation, MemoryReport, Parameters, PhaseClock, Preset, Ray, Status,
+    Structure, TraceJob, TraceTo, Tracer, TracerDescription, TracerError, Viewpoint,
+};
+use tracebench_bvh::BvhCpu;
+
+use super::*;
+use crate::measure::{Journal, controls};
+use crate::plan::{RunPreset, SceneSource, ViewRequest};
+use crate::progress::Progress;
+use crate::rays::{RAY_SETS, default_parameters, primary_rays};
+use crate::registry::{Family, Registration};
+use crate::report;
+use crate::results::{ROUNDED_ORACLE, SampleSchedule, WorkRow};
+use crate::truth::{Cache, Truth};
+use crate::viewpoint::Pose;
+
+/// What `bvh-cpu` is made to get wrong.
+#[derive(Clone, Copy, PartialEq)]
+enum Fault {
+    /// All rays that do not start in the eye that it was built for.
+    Elsewhere,
+    /// All rays after every second update.
+    Blinks,
+    /// Some answers are never written.
+    Silent,
+}
+
+struct Faulty(Fault);
+
+struct Built {
+    fault: Fault,
+    built: Box<dyn Structure>,
+    eye: Vec3,
+    updates: usize,
+}
+
+impl Tracer for Faulty {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        let built = BvhCpu.build(geometry, viewpoint, parameters, clock)?;
+        Ok(Box::new(Built { fault: self.0, built, eye: viewpoint.eye, updates: 0 }))
+    }
+}
+
+impl Built {
+    fn forget(&self, rays: &[Ray], hits: &mut HitBuffer) -> Result<(), TracerError> {
+        for (ray, hit) in rays.iter().zip(hits.host_mut(rays.len())?) {
+            let misses = match self.fault {
+                Fault::Elsewhere => Vec3::from(ray.origin) != self.eye,
+                Fault::Blinks => self.updates % 2 == 1,
+                Fault::Silent => false,
+            };
+            if misses {
+                *hit = Hit::miss(Status::LeftViews);
+            }
+            if self.fault == Fault::Silent && self.updates == 2 {
+                *hit = Hit::miss(Status::Unwritten);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Structure for Built {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if update == Update::Rebuild {
+            self.eye = viewpoint.eye;
+        }
+        self.updates += 1;
+        self.built.update(update, geometry, viewpoint, parameters, clock)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.built.trace(job, hits, clock)?;
+        self.forget(&job.rays.host, hits)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let counters = self.built.trace_counted(job, hits)?;
+        self.forget(&job.rays.host, hits)?;
+        Ok(counters)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.built.memory()
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.built.validate(geometry)
+    }
+}
+
+const BOTH: &[Invalidation] = &[Invalidation::Geometry, Invalidation::Viewpoint];
+
+fn onlooker() -> TracerDescription {
+    let (no_refit, ends) = (Some("it has to look again"), &[TraceTo::Hit][..]);
+    TracerDescription { name: "onlooker", invalidated_by: BOTH, no_refit, ends, ..tracebench_bvh::description() }
+}
+
+fn blinker() -> TracerDescription {
+    TracerDescription { name: "blinker", ..tracebench_bvh::description() }
+}
+
+fn silent() -> TracerDescription {
+    TracerDescription { name: "silent", ..tracebench_bvh::description() }
+}
+
+fn tracer(name: &str) -> TracerRequest {
+    let registration = match name {
+        "onlooker" => Registration::sampled(onlooker, Family::Image, |_| Ok(Box::new(Faulty(Fault::Elsewhere)))),
+        "blinker" => Registration::sampled(blinker, Family::Image, |_| Ok(Box::new(Faulty(Fault::Blinks)))),
+        "silent" => Registration::sampled(silent, Family::Image, |_| Ok(Box::new(Faulty(Fault::Silent)))),
+        _ => Registration::analytic(tracebench_bvh::description, Family::Bvh, |_| Ok(Box::new(BvhCpu))),
+    };
+    TracerRequest::of(&registration, Preset::Published)
+}
+
+fn request(effects: &[Effect], frames: u32, moves: Moves, update: Updates) -> FramesRequest {
+    let (paths, cut, fixed_rays) = (PathsOf::Own, None, false);
+    FramesRequest { effects: effects.to_vec(), frames, fps: 4.0, spp: 1, moves, update, paths, cut, fixed_rays }
+}
+
+fn plan(scene: &str, tracers: &[&str], rays: usize) -> Plan {
+    let smoke = RunPreset::named("smoke").unwrap();
+    Plan {
+        scenes: vec![SceneSource::Catalogue(scene.to_owned())],
+        tracers: tracers.iter().map(|name| tracer(name)).collect(),
+        ray_sets: RAY_SETS[..rays].to_vec(),
+        ray_parameters: default_parameters(),
+        preset: RunPreset { ray_image: [24, 16], sampling: SampleSchedule::rounds(1), ..smoke },
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 1,
+        trace_to: TraceTo::Hit,
+        wrong_rays_per_cause: 0,
+        table: None,
+    }
+}
+
+fn measured(plan: &Plan, request: &FramesRequest) -> Result<Record, RunError> {
+    let none = Err(TracerError::Unavailable("none is needed".to_owned()));
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    execute(plan, request, &Context::new(&none, &cache, &quiet, &journal))
+}
+
+fn series<'a>(record: &'a Record, name: &str) -> &'a FrameSeries {
+    record.frames.as_ref().unwrap().rows.iter().find(|row| row.tracer.name == name).unwrap()
+}
+
+fn works<'a>(series: &'a FrameSeries, work: &str) -> Vec<&'a WorkRow> {
+    series.frames.iter().map(|row| &row.works[work]).collect()
+}
+
+fn flickers(series: &FrameSeries) -> Vec<f64> {
+    series.frames.iter().flat_map(|row| row.works.values()).filter_map(|work| work.image.as_ref()?.flicker).collect()
+}
+
+/// Proves that a tracer which misses all in every other frame is found with its exact share: as many first rays are right there as truly
+/// miss, and every point that is seen twice turns but those whose ray truly misses; while one that is right never turns. Its image
+/// flickers, and that of the oracle, which is the truth's, does not. What the corrupted control scores is computed here.
+#[test]
+fn every_other_frame_is_found() {
+    let plan = plan("room", &["bvh-cpu", "blinker"], 0);
+    let asked = request(&[Effect::Primary, Effect::Depth], 4, Moves::Camera, Updates::Rebuild);
+    let record = measured(&plan, &asked).unwrap();
+    let section = record.frames.as_ref().unwrap();
+    let [right, blinks, never] = ["bvh-cpu", "blinker", "always-miss"].map(|name| series(&record, name));
+    for frame in 0..4 {
+        let first = |series: &FrameSeries| series.frames[frame].works["depth"].waves[0].clone();
+        assert_eq!(first(right).right, [384; 3]);
+        let wrong = if frame % 2 == 1 { first(never).right } else { [384; 3] };
+        assert_eq!(first(blinks).right, wrong, "{frame}");
+        assert!(first(never).right[0] < 300);
+    }
+    for frame in 1..4 {
+        let [pairs, turned] = blinks.frames[frame].turned.unwrap();
+        assert_eq!(right.frames[frame].turned, Some([pairs, 0]));
+        // Right in both frames are those alone that truly miss: in a closed room none.
+        assert!(pairs > 1000 && turned > pairs * 9 / 10, "{turned} of {pairs}");
+        assert_eq!(never.frames[frame].turned.map(|[_, turned]| turned), Some(0));
+    }
+    assert!(flickers(blinks).iter().all(|change| *change > 0.01) && flickers(blinks).len() == 6);
+    for effect in ["primary", "depth"] {
+        for work in works(series(&record, "oracle"), effect) {
+            let image = work.image.as_ref().unwrap();
+            assert_eq!((image.mse, image.psnr_db, image.beyond), (0.0, None, 0));
+        }
+        // The floor of exact tracers.
+        let floor: Vec<u64> = works(series(&record, ROUNDED_ORACLE), effect)
+            .iter()
+            .map(|work| work.image.as_ref().unwrap().beyond)
+            .collect();
+        for (work, floor) in works(right, effect).iter().zip(floor) {
+            let image = work.image.as_ref().unwrap();
+            assert!(image.beyond as f64 <= 2.0 * floor as f64 + 0.0002 * 384.0, "{image:?}");
+            assert!(!image.beyond_by_wave.contains_key("none"));
+        }
+    }
+    assert!(flickers(series(&record, "oracle")).iter().all(|change| *change == 0.0));
+    // One ray of eight, told from the truth itself.
+    let mut scene = tracebench_scenes::procedural("room", plan.preset.scene_scale).unwrap();
+    scene.set_time(0.0).unwrap();
+    let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, None).unwrap();
+    let truth = Truth::new(&geometry, "");
+    for (frame, work) in works(series(&record, "corrupted"), "depth").iter().enumerate() {
+        let pose = Pose::from(&scene.camera_path.as_ref().unwrap().at(frame as f64 / 4.0));
+        let rays = primary_rays(&pose.viewpoint(&geometry, [24, 16], 8), [24, 16]);
+        let answers: Vec<_> = rays.iter().map(|ray| truth.answer_one(&ray.into(), Query::Closest)).collect();
+        let wrong = controls::corrupted(&answers).iter().filter(|wrong| **wrong).count() as u64;
+        assert!(wrong > 40 && work.waves[0].right == [384 - wrong; 3], "{frame}: {wrong} {:?}", work.waves[0]);
+    }
+    let page = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
+    let text = |name: &str| String::from_utf8(page.iter().find(|(file, _)| file == name).unwrap().1.clone()).unwrap();
+    assert!(text("frames.md").contains("| blinker | 1 build; 3 rebuild |"), "{}", text("frames.md"));
+    assert_eq!(text("frames.csv").lines().count(), 1 + 2 * 4 * section.rows.len());
+}
+
+/// Proves that where nothing moves and structures are rebuilt nothing flickers, of any tracer; and that what is reused, where nothing that
+/// changed invalidates it, is not marked.
+#[test]
+fn nothing_flickers_where_nothing_moves() {
+    let mut still = plan("cloth", &["bvh-cpu", "onlooker"], 0);
+    // Behind its end the animation stands.
+    still.time_s = 1e6;
+    for update in [Updates::Rebuild, Updates::Auto] {
+        let record = measured(&still, &request(&[Effect::Depth], 3, Moves::Geometry, update)).unwrap();
+        let wanted = if update == Updates::Auto { "reuse" } else { "rebuild" };
+        for series in &record.frames.as_ref().unwrap().rows {
+            assert!(flickers(series).len() == 2 && flickers(series).iter().all(|change| *change == 0.0));
+            assert!(series.frames[1..].iter().all(|row| row.turned.is_none_or(|[_, turned]| turned == 0)));
+            assert!(
+                series.is_control()
+                    || series.frames[1..].iter().all(|row| row.update == wanted && row.stale_by.is_empty())
+            );
+        }
+    }
+}
+
+/// Proves the rule of `auto`: what the eye's move does not invalidate is reused, a hierarchy over a moving mesh is refitted and rebuilt where
+/// its cost has grown, what cannot be refitted is rebuilt; that it is the same again; and that what is reused in spite of all is marked, and wrong.
+#[test]
+fn structures_are_brought_up_to_date_by_the_rule() {
+    let updates = |record: &Record, name: &str| -> Vec<String> {
+        series(record, name).frames.iter().map(|row| row.update.clone()).collect()
+    };
+    let camera =
+        measured(&plan("room", &["bvh-cpu", "onlooker"], 1), &request(&[], 3, Moves::Camera, Updates::Auto)).unwrap();
+    assert_eq!(updates(&camera, "bvh-cpu"), ["build", "reuse", "reuse"]);
+    assert_eq!(updates(&camera, "onlooker"), ["build", "rebuild", "rebuild"]);
+    let asked = request(&[], 6, Moves::Geometry, Updates::Auto);
+    let moving = plan("cloth", &["bvh-cpu", "onlooker"], 1);
+    let record = measured(&moving, &asked).unwrap();
+    assert!(updates(&record, "onlooker")[1..].iter().all(|update| update == "rebuild"));
+    let bvh = series(&record, "bvh-cpu");
+    let mut built = bvh.frames[0].sah_cost.unwrap();
+    for pair in bvh.frames.windows(2) {
+        let cheap = pair[0].sah_cost.unwrap() < 1.5 * built;
+        assert_eq!(pair[1].update, if cheap { "refit" } else { "rebuild" });
+        built = if cheap { built } else { pair[1].sah_cost.unwrap() };
+        assert_eq!(pair[1].works["primary"].waves[0].right, [384; 3]);
+    }
+    assert!(updates(&record, "bvh-cpu").contains(&"refit".to_owned()));
+    assert_eq!(updates(&measured(&moving, &asked).unwrap(), "bvh-cpu"), updates(&record, "bvh-cpu"));
+    let reused = measured(&plan("room", &["onlooker"], 1), &request(&[], 2, Moves::Camera, Updates::Reuse)).unwrap();
+    let row = &series(&reused, "onlooker").frames[1];
+    assert_eq!((row.stale_by.as_slice(), row.update_ms), (&["viewpoint".to_owned()][..], Some(0.0)));
+    assert!(row.works["primary"].waves[0].right[0] < 300);
+    // Who cannot be refitted is left out, with the reason.
+    let refit =
+        measured(&plan("cloth", &["bvh-cpu", "onlooker"], 1), &request(&[], 2, Moves::Geometry, Updates::Refit))
+            .unwrap();
+    assert!(
+        refit.skipped.iter().any(|one| one.tracer.as_deref() == Some("onlooker") && one.reason.contains("look again"))
+    );
+}
+
+/// Proves that fixed rays are the same in every frame, judged alike, and that those alone change which a structure built elsewhere loses.
+#[test]
+fn fixed_rays_change_with_the_structure_alone() {
+    let asked = FramesRequest { fixed_rays: true, ..request(&[], 3, Moves::Camera, Updates::Rebuild) };
+    let record = measured(&plan("room", &["bvh-cpu", "onlooker"], 1), &asked).unwrap();
+    let [right, onlooker] = ["bvh-cpu", "onlooker"].map(|name| series(&record, name));
+    let hashes = works(right, "primary")
+        .iter()
+        .map(|work| work.waves[0].answers.as_ref().unwrap().rays_sha256.clone())
+        .collect::<BTreeSet<_>>();
+    assert_eq!(hashes.len(), 1);
+    assert_eq!((right.changing["primary"], onlooker.changing["primary"] > 300), (0, true));
+    let own = measured(&plan("room", &["bvh-cpu"], 1), &FramesRequest { fixed_rays: false, ..asked }).unwrap();
+    let other = &series(&own, "bvh-cpu").frames[1].works["primary"].waves[0];
+    assert_ne!(other.answers, right.frames[1].works["primary"].waves[0].answers);
+}
+
+/// Proves that answers that were never written end the run, and pass for no sky; that paths on the truth's hits are judged ray by ray; that a
+/// cut has no flicker; and that an effect which no tracer serves, and a scene that does not move, are refused.
+#[test]
+fn what_is_no_answer_ends_the_run() {
+    let asked = request(&[Effect::Depth], 4, Moves::Camera, Updates::Rebuild);
+    let error =
+        measured(&plan("room", &["silent"], 0), &asked).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.contains("are not answers"), "{error}");
+    let asked = FramesRequest {
+        paths: PathsOf::Truth,
+        cut: Some(2),
+        ..request(&[Effect::Ao], 3, Moves::Camera, Updates::Rebuild)
+    };
+    let record = measured(&plan("room", &["bvh-cpu"], 0), &asked).unwrap();
+    let bvh = series(&record, "bvh-cpu");
+    for work in works(bvh, "ao") {
+        assert!(work.waves.len() == 2 && work.waves.iter().all(|wave| wave.judged + 4 >= wave.rays), "{work:?}");
+    }
+    let flicker: Vec<bool> =
+        works(bvh, "ao").iter().map(|work| work.image.as_ref().unwrap().flicker.is_some()).collect();
+    assert_eq!(flicker, [false, true, false]);
+    let refused = asked.check(&[tracer("onlooker")]).unwrap_err();
+    assert!(refused.contains("effect ao: no tracer"), "{refused}");
+    assert!(asked.check(&[tracer("onlooker"), tracer("bvh-cpu")]).is_ok());
+    let still = measured(&plan("room", &["bvh-cpu"], 1), &request(&[], 2, Moves::Geometry, Updates::Auto));
+    assert!(still.err().unwrap().to_string().contains("no animation"));
+}

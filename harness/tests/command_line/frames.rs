@@ -1,0 +1,144 @@
+//! What `frames` leaves.
+
+use data_encoding::BASE64;
+use sha2::{Digest as _, Sha256};
+
+use super::*;
+
+/// A glTF file of a square that bends about a joint and bulges by a morph target, seen by a camera that moves; all for two seconds.
+fn moving() -> String {
+    let mut bytes: Vec<u8> = Vec::new();
+    let (mut views, mut accessors) = (Vec::new(), Vec::new());
+    let mut add = |data: Vec<u8>, component: u32, shape: &str, count: usize| {
+        views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": data.len()}));
+        let mut accessor =
+            json!({"bufferView": views.len() - 1, "componentType": component, "type": shape, "count": count});
+        if shape == "VEC3" {
+            (accessor["min"], accessor["max"]) = (json!([-9.0, -9.0, -9.0]), json!([9.0, 9.0, 9.0]));
+        }
+        accessors.push(accessor);
+        bytes.extend(data);
+        accessors.len() - 1
+    };
+    let floats = |values: &[f32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let corners =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0_f32]];
+    let positions = add(floats(corners.as_flattened()), 5126, "VEC3", 6);
+    let bulge = add(floats([[0.0, 0.0, 0.25_f32]; 6].as_flattened()), 5126, "VEC3", 6);
+    // The right half follows the second joint.
+    let joints = add([0_u8, 0, 0, 0, 1, 1].iter().flat_map(|joint| [*joint, 0, 0, 0]).collect(), 5121, "VEC4", 6);
+    let weights = add(floats([[1.0, 0.0, 0.0, 0.0_f32]; 6].as_flattened()), 5126, "VEC4", 6);
+    let triangles: [u16; 12] = [0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2];
+    let indices = add(triangles.iter().flat_map(|index| index.to_le_bytes()).collect(), 5123, "SCALAR", 12);
+    let times = add(floats(&[0.0, 2.0]), 5126, "SCALAR", 2);
+    let half = 0.5_f32.sqrt();
+    let turn = add(floats(&[0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half]), 5126, "VEC4", 2);
+    let morph = add(floats(&[0.0, 1.0]), 5126, "SCALAR", 2);
+    let walk = add(floats(&[1.0, 0.5, 3.0, 1.4, 0.5, 3.0]), 5126, "VEC3", 2);
+    let sampler = |output: usize| json!({"input": times, "output": output, "interpolation": "LINEAR"});
+    let channel =
+        |sampler: u32, node: u32, path: &str| json!({"sampler": sampler, "target": {"node": node, "path": path}});
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64.encode(&bytes));
+    json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 3]}],
+        "nodes": [{"mesh": 0, "skin": 0}, {"children": [2]}, {}, {"camera": 0, "translation": [1.0, 0.5, 3.0]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+        "meshes": [{"weights": [0.0], "primitives": [{
+            "attributes": {"POSITION": positions, "JOINTS_0": joints, "WEIGHTS_0": weights}, "indices": indices,
+            "targets": [{"POSITION": bulge}],
+        }]}],
+        "skins": [{"joints": [1, 2]}],
+        "animations": [{"samplers": [sampler(turn), sampler(morph), sampler(walk)],
+                        "channels": [channel(0, 2, "rotation"), channel(1, 0, "weights"), channel(2, 3, "translation")]}],
+        "buffers": [{"byteLength": bytes.len(), "uri": uri}],
+        "bufferViews": views,
+        "accessors": accessors,
+    })
+    .to_string()
+}
+
+const SMALL: [&str; 6] = ["frames", "--quiet", "--preset", "smoke", "--size", "24x16"];
+
+/// Proves that a file whose mesh is skinned and morphed and whose camera moves is rendered in every frame, another one each; that pictures
+/// lie beside the record under their hashes; that `report` makes the same files again, and a page of the record holds its frames.
+#[test]
+fn a_skinned_and_morphed_file_is_rendered() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("bend.gltf"), moving()).unwrap();
+    let words =
+        ["--scene", "bend.gltf", "--tracer", "bvh-cpu", "--effect", "primary,normals", "--frames", "3", "--fps", "1"];
+    let outcome = bench.call(&[&SMALL[..], &words, &["--spp", "2", "--out", "out"]].concat());
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let found = bench.result("out");
+    let scene = &found["frames"]["scenes"][0];
+    assert_eq!(scene["path"], "along the scene's path");
+    let hashes: BTreeSet<&str> =
+        scene["scene_sha256"].as_array().unwrap().iter().map(|hash| hash.as_str().unwrap()).collect();
+    assert_eq!(hashes.len(), 3);
+    assert_eq!(scene["viewpoints"][2]["eye"][0].as_f64().unwrap() as f32, 1.4);
+    let rows = found["frames"]["rows"].as_array().unwrap();
+    let bvh = rows.iter().find(|row| row["tracer"]["name"] == "bvh-cpu").unwrap();
+    for frame in bvh["frames"].as_array().unwrap() {
+        for work in ["primary", "normals"] {
+            let [work, image] = [&frame["works"][work], &frame["works"][work]["image"]];
+            assert!(work["waves"][0]["trace_ms"].as_f64().unwrap() > 0.0 && work["waves"][0]["rays"] == 24 * 16 * 2);
+            assert!(image["ssim"].as_f64().unwrap() > 0.9, "{image}");
+        }
+    }
+    let named: BTreeSet<String> = [&scene["pictures"], &bvh["pictures"]]
+        .into_iter()
+        .flat_map(|pictures| pictures.as_object().unwrap().values())
+        .flat_map(|of| [&of["sheet"], &of["animation"]].map(|name| name.as_str().unwrap().to_owned()))
+        .collect();
+    assert_eq!(named, names(&bench.path("out/pictures")).into_iter().collect());
+    for name in &named {
+        let hash = Sha256::digest(std::fs::read(bench.path("out/pictures").join(name)).unwrap());
+        assert!(name.starts_with(&data_encoding::HEXLOWER.encode(&hash)[..32]));
+    }
+    let files = ["out/frames.md", "out/frames.csv"].map(|name| bench.path(name));
+    let before = files.clone().map(|file| std::fs::read(file).unwrap());
+    files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
+    assert_eq!(bench.call(&["--quiet", "report", "out"]).status, 0);
+    assert!(files.map(|file| std::fs::read(file).unwrap()) == before);
+    assert_eq!(bench.call(&["--quiet", "report", "--html", "page.html", "out"]).status, 0);
+    let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
+    assert!(page.contains("Frames of moving scenes"));
+}
+
+/// Proves that the rays and answers of frames are those of `run` at the same times, by hash and by count; and that the frame before has others.
+#[test]
+fn frames_are_those_of_runs() {
+    let bench = Bench::new();
+    let common = ["--scene", "cloth", "--tracer", "bvh-cpu,screen-dda", "--rays", "diffuse"];
+    let words = ["--move", "geometry", "--update", "rebuild", "--frames", "3", "--fps", "2", "--out", "out"];
+    let outcome = bench.call(&[&SMALL[..], &common, &words].concat());
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let found = bench.result("out");
+    let run = |time: &'static str, out: &'static str| {
+        let words = ["--samples", "1", "--animation-time", time, "--out", out];
+        let run = bench.call(&[&["run"], &SMALL[1..], &common, &words].concat());
+        assert_eq!(run.status, 0, "{run:?}");
+        bench.result(out)
+    };
+    let runs = [run("0", "first"), run("0.5", "second"), run("1", "third")];
+    for tracer in ["bvh-cpu", "screen-dda"] {
+        let rows = found["frames"]["rows"].as_array().unwrap();
+        let series = rows.iter().find(|row| row["tracer"]["name"] == tracer).unwrap();
+        for (frame, run) in runs.iter().enumerate() {
+            let row = run["rows"].as_array().unwrap().iter().find(|row| row["tracer"]["name"] == tracer).unwrap();
+            let (trace, own) = (&row["traces"][0], &series["frames"][frame]);
+            let answers = &own["works"]["diffuse"]["waves"][0]["answers"];
+            for name in ["rays_sha256", "hits_sha256"] {
+                assert_eq!(answers[name], trace[name], "{tracer}, frame {frame}");
+            }
+            for (name, counter) in trace["counters"].as_object().unwrap() {
+                assert_eq!(answers["counters"][name], counter["total"], "{tracer}, {name}");
+            }
+            assert_eq!(own["structure_bytes"], row["memory"]["structure_bytes"], "{tracer}, frame {frame}");
+        }
+        let hits = |frame: usize| &series["frames"][frame]["works"]["diffuse"]["waves"][0]["answers"]["hits_sha256"];
+        assert!(hits(0) != hits(1) && hits(1) != hits(2));
+    }
+}
