@@ -88,7 +88,7 @@ fn plans(
 ) -> Result<Vec<Plan>, CliError> {
     let settings = &arguments.work.common.settings;
     let of_part = PART_SETTINGS.iter().filter(|_| arguments.few_rows);
-    let own = of_part.chain(experiment.settings).map(|setting| (*setting).to_owned());
+    let own = of_part.chain(&experiment.settings).map(|setting| (*setting).to_owned());
     // What the user says comes later and counts.
     base.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
     let mut steps = names::steps(experiment, settings)?;

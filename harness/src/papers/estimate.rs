@@ -105,16 +105,6 @@ impl Estimate {
         let count = all.len() as f64;
         Self::reduce(all, |one, other| one + other).map(|sum| sum / count)
     }
-
-    /// By how much a ratio is more than one, percent.
-    pub(super) fn percent_beyond(self) -> Self {
-        self.rising(|ratio| 100.0 * (ratio - 1.0))
-    }
-
-    /// By how much a ratio is less than one, percent.
-    pub(super) fn percent_below(self) -> Self {
-        Self::from(100.0) - self * 100.0
-    }
 }
 
 /// As numbers add up, for ends that lie in the same order.
@@ -166,8 +156,8 @@ mod tests {
         near(&(one.clone() - other.clone()), -8.0, [-19.0, -4.0]);
         near(&(other.clone() / one.clone()), 5.0, [2.0, 20.0]);
         near(&((one.clone() - 3.0) * other.clone()), -10.0, [-40.0, 20.0]);
-        near(&one.clone().percent_below(), -100.0, [-300.0, 0.0]);
-        near(&one.clone().percent_beyond(), 100.0, [0.0, 300.0]);
+        near(&(Estimate::from(100.0) - one.clone() * 100.0), -100.0, [-300.0, 0.0]);
+        near(&((one.clone() - 1.0) * 100.0), 100.0, [0.0, 300.0]);
         let both = [one.clone(), Estimate::timed(3.0, [2.0, 3.5], [])];
         near(&Estimate::greatest(both.clone()).unwrap(), 3.0, [2.0, 4.0]);
         near(&Estimate::least(both.clone()).unwrap(), 2.0, [1.0, 3.5]);

@@ -1,53 +1,59 @@
 //! A paper's tables and figures as experiments: what is run, as data, and what its page shows of it.
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use tracebench_api::{Parameters, Preset, TraceTo};
 
-use super::page::Page;
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::rays::{MAX_RAYS, ray_parameters};
 use crate::registry;
-use crate::report::chart::series::SeriesChart;
-use crate::report::document::Document;
 use crate::results::SceneRecord;
 
-/// A paper's table or figure, measured here.
-#[derive(Debug)]
+/// A paper's table or figure, measured here: an entry of its `experiments.json`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// Stable name; files are named after it.
     pub name: &'static str,
     /// What it shows, in one line.
     pub summary: &'static str,
     /// Published tables that it stands beside, by id.
-    pub published: &'static [&'static str],
+    #[serde(default)]
+    pub published: Vec<&'static str>,
     /// Scenes of the catalogue where nothing else is said, and what they stand for.
-    pub scenes: &'static [StandIn],
+    pub scenes: Vec<StandIn>,
     /// Ray sets where nothing else is said, as `--rays` takes them; none for an experiment without traces.
+    #[serde(default)]
     pub rays: &'static str,
     /// Parameters of ray sets where nothing else is said, as `--set` takes them.
-    pub settings: &'static [&'static str],
+    #[serde(default)]
+    pub settings: Vec<&'static str>,
     /// How far traces go at least.
+    #[serde(default)]
     pub trace_to: TraceTo,
     /// What is run one after the other.
-    pub steps: &'static [Step],
+    pub steps: Vec<Step>,
     /// Whether rows stand at every choice of launch settings, how a search reads and is launched, that their tracer has: where traces of
     /// methods are compared.
+    #[serde(default)]
     pub launch: bool,
-    /// What the page shows of it before its rows.
-    pub(crate) sections: &'static [Section],
-    /// The charts of the page.
-    pub(crate) charts: &'static [Charts],
+    /// The rows that show it within minutes, those that have such values: `named` is of parameters that the row itself names. All where
+    /// none is said.
+    #[serde(default)]
+    pub(super) few_rows: Option<Vec<ExperimentRow>>,
+    /// What the page shows of it before its rows: tables of its paper by name, `beside TRACER`, or `by part`.
+    #[serde(default)]
+    pub(super) sections: Vec<&'static str>,
+    /// The charts of the page, by name.
+    #[serde(default)]
+    pub(super) charts: Vec<&'static str>,
     /// Deviations and what is to be known.
-    pub notes: &'static [&'static str],
+    #[serde(default)]
+    pub notes: Vec<&'static str>,
 }
 
-/// Makes a section of a page, in Markdown.
-pub(crate) type Section = fn(&Page<'_>) -> Document;
-
-/// Makes charts of a page.
-pub(crate) type Charts = fn(&Page<'_>) -> Vec<SeriesChart>;
-
 /// A scene of the catalogue in place of a paper's.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq, Deserialize)]
 pub struct StandIn {
     /// The scene of the catalogue.
     pub scene: &'static str,
@@ -56,20 +62,33 @@ pub struct StandIn {
 }
 
 /// Configurations side by side at one resolution.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Step {
     /// Factor on the edges of ray image, frame and faces.
+    #[serde(default = "one")]
     pub resolution: f64,
     /// Factor on the edges of the faces on top of it.
+    #[serde(default = "one")]
     pub faces: f64,
     /// Time of the animation where nothing else is said, seconds.
+    #[serde(default)]
     pub time_s: f64,
     /// Factor on the triangles of procedural scenes.
+    #[serde(default = "one")]
     pub scale: f64,
     /// Parameters of ray sets that the step is about, with their values.
-    pub rays: &'static [(&'static str, &'static str)],
+    #[serde(default, borrow)]
+    pub rays: Vec<(&'static str, &'static str)>,
+    /// Whether what shows the experiment within minutes does without it.
+    #[serde(default)]
+    pub left_out_of_few: bool,
     /// Who runs.
-    pub rows: &'static [ExperimentRow],
+    pub rows: Vec<ExperimentRow>,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// How searches read and are launched, of tracers that have the choice: parameters with the values that tables show.
@@ -82,55 +101,21 @@ pub struct ExperimentRow {
     /// The tracer.
     pub tracer: &'static str,
     /// Parameters with their values.
-    pub values: Values,
+    pub values: Vec<(&'static str, Vec<&'static str>)>,
 }
 
-/// The part of a paper's experiments that shows them within minutes.
-#[derive(Debug)]
-pub struct Part {
-    /// Ray sets that are traced where an experiment has them.
-    pub rays: &'static [&'static str],
-    /// Which steps are taken.
-    pub step: fn(&Step) -> bool,
-    /// Which rows are taken of an experiment.
-    pub row: fn(&Experiment, &TracerRequest) -> bool,
-}
-
-/// Values of parameters of a row.
-pub(super) type Values = &'static [(&'static str, &'static [&'static str])];
-
-pub(super) const fn stands_for(scene: &'static str, published: &'static str) -> StandIn {
-    StandIn { scene, published }
-}
-
-/// A step at a factor on every resolution.
-pub(super) const fn at(resolution: f64, rows: &'static [ExperimentRow]) -> Step {
-    Step { resolution, faces: 1.0, time_s: 0.0, scale: 1.0, rays: &[], rows }
-}
-
-/// One step, at every resolution as it is.
-pub(super) const fn once(rows: &'static [ExperimentRow]) -> [Step; 1] {
-    [at(1.0, rows)]
-}
-
-/// A step at a time of the animation.
-pub(super) const fn at_time(time_s: f64, rows: &'static [ExperimentRow]) -> Step {
-    Step { time_s, ..at(1.0, rows) }
-}
-
-/// A step at a factor on the triangles of procedural scenes.
-pub(super) const fn at_scale(scale: f64, rows: &'static [ExperimentRow]) -> Step {
-    Step { scale, ..at(1.0, rows) }
-}
-
-/// A step of rays by values of their own.
-pub(super) const fn of_rays(rays: &'static [(&'static str, &'static str)], rows: &'static [ExperimentRow]) -> Step {
-    Step { rays, ..at(1.0, rows) }
-}
-
-/// A tracer as published.
-pub(super) const fn peer(tracer: &'static str) -> ExperimentRow {
-    ExperimentRow { tracer, values: &[] }
+impl Deserialize<'static> for ExperimentRow {
+    /// In one line: `dirt tile_size=1,2 buckets=24`.
+    fn deserialize<D: Deserializer<'static>>(deserializer: D) -> Result<Self, D::Error> {
+        let line = <&'static str>::deserialize(deserializer)?;
+        let (tracer, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let with_values =
+            |word: &'static str| Some((word.split_once('=')?.0, word.split_once('=')?.1.split(',').collect()));
+        let values = rest.split_whitespace().map(with_values).collect::<Option<_>>();
+        let values =
+            values.ok_or_else(|| D::Error::custom(format!("`{line}` is not `TRACER PARAMETER=VALUE,VALUE ...`")))?;
+        Ok(Self { tracer, values })
+    }
 }
 
 /// Why an experiment cannot be run as asked.
@@ -142,22 +127,6 @@ pub struct TooManyRays {
 }
 
 impl Experiment {
-    /// An experiment of hits without traces, of which nothing more is said.
-    pub(super) const DEFAULT: Self = Self {
-        name: "",
-        summary: "",
-        published: &[],
-        scenes: &[],
-        rays: "",
-        settings: &[],
-        trace_to: TraceTo::Hit,
-        steps: &[],
-        launch: false,
-        sections: &[],
-        charts: &[],
-        notes: &[],
-    };
-
     /// The tracers of each step; a value in the published preset counts as named all the same, so that labels tell it.
     pub fn requests(&self) -> Vec<Vec<TracerRequest>> {
         let launch = if self.launch { &MEANS[..] } else { &[] };
@@ -193,7 +162,7 @@ impl Experiment {
 
     /// Whether a tracer of this name belongs into the table.
     pub fn holds(&self, tracer: &str) -> bool {
-        self.steps.iter().flat_map(|step| step.rows).any(|row| row.tracer == tracer)
+        self.steps.iter().flat_map(|step| &step.rows).any(|row| row.tracer == tracer)
     }
 }
 
@@ -222,13 +191,23 @@ impl Step {
 }
 
 impl ExperimentRow {
+    /// Whether a request of a table is one of these.
+    pub(super) fn takes(&self, request: &TracerRequest) -> bool {
+        let is = |(name, values): &(&str, Vec<&str>)| match *name {
+            "named" => values.iter().all(|value| request.changed.iter().any(|changed| changed == value)),
+            name => request.parameters.value(name).is_some_and(|own| values.contains(&&*own.to_string())),
+        };
+        request.name() == self.tracer && self.values.iter().all(is)
+    }
+
     /// With every combination of its values, and of those of launch settings that its tracer has.
     fn requests(&self, launch: &[(&str, &[&str])]) -> Vec<TracerRequest> {
         let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
         let known = registration.describe().parameters;
         let launch = launch.iter().filter(|(name, _)| known.iter().any(|parameter| parameter.name == *name));
         let mut requests = vec![TracerRequest::of(registration, Preset::Published)];
-        for (parameter, values) in self.values.iter().chain(launch) {
+        let own = self.values.iter().map(|(name, values)| (*name, &values[..]));
+        for (parameter, values) in own.chain(launch.copied()) {
             let with = |request: &TracerRequest, value: &str| {
                 let mut request = request.clone();
                 // A test holds every value against its parameter's range.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use tracebench_api::{ClockKind, MemoryEntry, Query};
 
-use super::{Paper, Rows, find, report};
+use super::{Paper, Rows, SceneValue, find, report};
 pub(super) use crate::report::fixture::{COUNT, Quality, interleaved_set, run};
 use crate::results::{CounterRecord, Judgement, PhaseRecord, Record, Row, Times, TraceRecord};
 
@@ -38,10 +38,10 @@ pub(super) fn run_of(rows: Vec<Row>) -> Record {
     record
 }
 
-/// A quantity of a paper by scene.
+/// A quantity of a paper by scene, as pages name it.
 pub(super) fn values(paper: &Paper, name: &str, record: &Record) -> BTreeMap<String, f64> {
     let found = paper.quantity(name).unwrap().values(&Rows::of(record));
-    found.into_iter().map(|each| (each.scene, each.found.value)).collect()
+    found.iter().map(SceneValue::from).map(|each| (each.scene, each.value)).collect()
 }
 
 /// A quantity of a paper in a run of one scene, or over all scenes.

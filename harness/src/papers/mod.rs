@@ -4,15 +4,19 @@
 //! Every paper has a folder with all that is its own; what stands beside the folders knows none of them, nor any tracer. A
 //! folder's `published.json` and `claims.json` hold facts and figures with their scopes, read out of the paper's text. A figure
 //! that only a lost picture has is `null`. How a claim is decided stands with it: which table measures which quantity of every
-//! scene, and the range that it must lie in.
+//! scene, and the range that it must lie in. Experiments, quantities, tables and charts of pages are data too, in the words that
+//! `expression.rs` tells.
 
 mod claims;
 mod dirt;
 mod duration;
 mod estimate;
+mod evaluate;
 mod experiment;
+mod expression;
 #[cfg(test)]
 mod fixture;
+mod functions;
 mod hhz14;
 mod page;
 mod part;
@@ -29,13 +33,15 @@ mod wkp15;
 pub use claims::{Claim, Decision, Over, Rule, Test};
 pub use duration::Duration;
 pub use estimate::Estimate;
-pub use experiment::{Experiment, ExperimentRow, Part, StandIn, Step, TooManyRays};
+pub use experiment::{Experiment, ExperimentRow, StandIn, Step, TooManyRays};
 pub use page::claims_of;
 pub(crate) use page::{claims_report, report};
 pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
-pub use quantity::{Measure, OfScene, Quantity};
+pub use quantity::{OfScene, Quantity};
 pub use rows::{Rows, SceneRows};
+use std::sync::LazyLock;
+
 use tracebench_api::{MemoryEntry, TraceTo};
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
 
@@ -43,7 +49,7 @@ use crate::plan::RunPreset;
 use crate::results::Row;
 
 /// Every paper, in the order of lists.
-pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER, &wkp15::PAPER];
+pub static PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER, &wkp15::PAPER];
 
 /// A paper: what its folder holds.
 #[derive(Debug)]
@@ -51,9 +57,11 @@ pub struct Paper {
     /// Its short name, that of its folder; its experiments are named after it.
     pub name: &'static str,
     /// Its tables and figures, measured here.
-    pub experiments: &'static [Experiment],
-    /// The part of them that shows them within minutes.
-    pub part: Part,
+    pub experiments: LazyLock<Vec<Experiment>>,
+    /// Ray sets that are traced within minutes where an experiment has them.
+    few_rays: &'static [&'static str],
+    /// Tables and charts of their pages: `pages.json`.
+    pages: LazyLock<page::told::Told>,
     /// Its own resolutions, if the run preset `paper` takes them.
     at_paper: Option<Resolutions>,
     /// What it printed: the text of `published.json`.
@@ -62,8 +70,10 @@ pub struct Paper {
     pub claims_table: &'static str,
     /// What it claims: the text of `claims.json`.
     claims: &'static str,
-    /// What decides its claims.
-    quantities: &'static [&'static [Quantity]],
+    /// What decides its claims: `quantities.json`.
+    told: LazyLock<quantity::Told>,
+    /// Figures of a row that have their own maths, by name, for what decides claims.
+    figures: &'static [(&'static str, fn(&Row) -> Option<f64>)],
     /// Counts that structures say of themselves and its pages show, with their headings.
     counts: &'static [(&'static str, &'static str)],
     /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
@@ -84,6 +94,11 @@ struct Resolutions {
 
 /// The run preset whose resolutions are those of papers.
 const AT_PAPER: &str = "paper";
+
+/// Reads a paper's own file, which tests hold whole.
+fn embedded<T: serde::Deserialize<'static>>(text: &'static str) -> T {
+    serde_json::from_str(text).expect("the tests of papers read it")
+}
 
 /// What is counted as memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,7 +127,7 @@ pub fn find(name: &str) -> Option<(&'static Paper, &'static Experiment)> {
 
 impl Paper {
     /// An experiment by name.
-    pub fn experiment(&self, name: &str) -> Option<&'static Experiment> {
+    pub fn experiment(&self, name: &str) -> Option<&Experiment> {
         self.experiments.iter().find(|experiment| experiment.name == name)
     }
 
@@ -127,8 +142,8 @@ impl Paper {
     }
 
     /// A quantity by name.
-    pub fn quantity(&self, name: &str) -> Option<&'static Quantity> {
-        self.quantities.iter().copied().flatten().find(|quantity| quantity.name == name)
+    pub fn quantity(&self, name: &str) -> Option<Quantity<'_>> {
+        Quantity::find(self, name)
     }
 
     /// Bytes in a scope; none of a trace where none goes to surfaces.

@@ -16,12 +16,12 @@ pub(crate) const PART_SETTINGS: [&str; 1] = ["rays.pixel_random_count=2"];
 
 impl Paper {
     /// Leaves of an experiment's steps, and of the plan that they are run over, the part: one scene of an eighth of its triangles, half the
-    /// resolution, the rays, steps and rows that stand with the paper.
+    /// resolution, the rays that stand with the paper, the steps and rows that stand with the experiment.
     pub(crate) fn take_part(&self, experiment: &Experiment, base: &mut Plan, steps: &mut [Vec<TracerRequest>]) {
         let half = |edge: u32| edge.div_ceil(2);
         let preset = base.preset;
         base.scenes = vec![SceneSource::Catalogue(SCENE.to_owned())];
-        base.ray_sets.retain(|set| self.part.rays.contains(&set.name));
+        base.ray_sets.retain(|set| self.few_rays.contains(&set.name));
         base.preset = RunPreset {
             ray_image: preset.ray_image.map(half),
             frame: preset.frame.map(half),
@@ -31,7 +31,9 @@ impl Paper {
             ..preset
         };
         for (step, requests) in experiment.steps.iter().zip(steps) {
-            requests.retain(|request| (self.part.step)(step) && (self.part.row)(experiment, request));
+            let few = experiment.few_rows.as_ref();
+            let is_of = |request: &TracerRequest| few.is_none_or(|rows| rows.iter().any(|row| row.takes(request)));
+            requests.retain(|request| !step.left_out_of_few && is_of(request));
         }
     }
 }

@@ -1,25 +1,14 @@
-//! Quantities that decide claims: functions of a run, by name.
+//! Quantities that decide claims: what a paper's data says is told of a run, by name.
 
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::Paper;
 use super::estimate::Estimate;
+use super::evaluate::{Evaluation, Value};
+use super::expression::Expression;
 use super::rows::{Rows, SceneRows};
-
-/// Of what a quantity is a value.
-#[derive(Clone, Copy, Debug)]
-pub enum Measure {
-    /// Of every scene that has the rows for it, counted.
-    Scene(OfOne<f64>),
-    /// The same with what it is of, where that is one of several rows.
-    NamedScene(OfOne<(String, f64)>),
-    /// Of all scenes together, counted.
-    Scenes(OfAll<f64>),
-    /// Of every scene that has the rows for it, timed.
-    TimedScene(OfOne<Estimate>),
-    /// Of all scenes together, timed.
-    TimedScenes(OfAll<Estimate>),
-}
-
-type OfOne<T> = fn(&SceneRows<'_>) -> Option<T>;
-type OfAll<T> = fn(&[SceneRows<'_>]) -> Option<T>;
 
 /// A quantity of one scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,82 +19,93 @@ pub struct OfScene {
     pub found: Estimate,
 }
 
-/// A quantity.
-#[derive(Clone, Copy, Debug)]
-pub struct Quantity {
-    /// Stable name.
-    pub name: &'static str,
-    /// Its unit, empty for a ratio or share.
-    pub unit: &'static str,
-    /// How it is measured.
-    pub measure: Measure,
+/// What a paper's `quantities.json` tells.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Told {
+    pub functions: Functions,
+    pub quantities: Vec<ToldQuantity>,
 }
 
-impl Quantity {
-    /// Its values in a run; none where the run lacks the rows. What is no number is none.
-    pub fn values(&self, rows: &Rows<'_>) -> Vec<OfScene> {
-        let of = |scene: &str, found: Estimate| OfScene { scene: scene.to_owned(), found };
-        let each = |value: &dyn Fn(&SceneRows<'_>) -> Option<Estimate>| -> Vec<OfScene> {
-            rows.scenes.iter().filter_map(|scene| Some(of(&scene.label, value(scene)?))).collect()
+/// Functions by name and what they take: `share(row, rays)`.
+#[derive(Debug, Deserialize)]
+#[serde(try_from = "BTreeMap<String, Expression>")]
+pub(super) struct Functions(Vec<Function>);
+
+#[derive(Debug)]
+pub(super) struct Function {
+    pub name: String,
+    /// Variables that hold what it is told.
+    pub arguments: Vec<String>,
+    pub is: Expression,
+}
+
+impl TryFrom<BTreeMap<String, Expression>> for Functions {
+    type Error = String;
+
+    fn try_from(all: BTreeMap<String, Expression>) -> Result<Self, String> {
+        let function = |(head, is): (String, Expression)| {
+            let parts = head.split_once('(').and_then(|(name, rest)| Some((name, rest.strip_suffix(')')?)));
+            let (name, rest) = parts.ok_or_else(|| format!("{head} is no function with what it takes"))?;
+            let arguments = rest.split(',').map(|name| format!("${}", name.trim())).collect();
+            Ok(Function { name: name.to_owned(), arguments, is })
         };
-        let all = |found: Option<Estimate>| found.map(|found| of("all scenes", found)).into_iter().collect();
-        let found: Vec<OfScene> = match self.measure {
-            Measure::Scene(value) => each(&|scene| value(scene).map(Estimate::from)),
-            Measure::NamedScene(value) => {
-                let named = |scene: &SceneRows<'_>| {
-                    value(scene).map(|(name, value)| of(&format!("{} ({name})", scene.label), value.into()))
-                };
-                rows.scenes.iter().filter_map(named).collect()
-            }
-            Measure::TimedScene(value) => each(&value),
-            Measure::Scenes(value) => all(value(&rows.scenes).map(Estimate::from)),
-            Measure::TimedScenes(value) => all(value(&rows.scenes)),
-        };
-        found.into_iter().filter(|each| each.found.value.is_finite()).collect()
+        all.into_iter().map(function).collect::<Result<_, String>>().map(Self)
     }
 }
 
-pub(super) const fn of_scene(name: &'static str, unit: &'static str, of: OfOne<f64>) -> Quantity {
-    Quantity { name, unit, measure: Measure::Scene(of) }
+impl Functions {
+    pub(super) fn find(&self, name: &str) -> Option<&Function> {
+        self.0.iter().find(|function| function.name == name)
+    }
 }
 
-pub(super) const fn of_named_scene(name: &'static str, unit: &'static str, of: OfOne<(String, f64)>) -> Quantity {
-    Quantity { name, unit, measure: Measure::NamedScene(of) }
+/// A quantity as it is told.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ToldQuantity {
+    pub name: String,
+    /// What it is, in words.
+    #[expect(dead_code, reason = "for those who read the file")]
+    what: String,
+    #[serde(default)]
+    pub unit: String,
+    /// Whether it is of all scenes together.
+    #[serde(default)]
+    of_all_scenes: bool,
+    is: Expression,
 }
 
-pub(super) const fn of_scenes(name: &'static str, unit: &'static str, of: OfAll<f64>) -> Quantity {
-    Quantity { name, unit, measure: Measure::Scenes(of) }
+/// A quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity<'p> {
+    /// Stable name.
+    pub name: &'p str,
+    /// Its unit, empty for a ratio or share.
+    pub unit: &'p str,
+    paper: &'p Paper,
+    told: &'p ToldQuantity,
 }
 
-pub(super) const fn timed_of_scene(name: &'static str, unit: &'static str, of: OfOne<Estimate>) -> Quantity {
-    Quantity { name, unit, measure: Measure::TimedScene(of) }
-}
+impl<'p> Quantity<'p> {
+    /// One of a paper's.
+    pub(super) fn find(paper: &'p Paper, name: &str) -> Option<Self> {
+        let told = paper.told.quantities.iter().find(|quantity| quantity.name == name)?;
+        Some(Self { name: &told.name, unit: &told.unit, paper, told })
+    }
 
-pub(super) const fn timed_of_scenes(name: &'static str, unit: &'static str, of: OfAll<Estimate>) -> Quantity {
-    Quantity { name, unit, measure: Measure::TimedScenes(of) }
-}
-
-pub(super) const PERCENT: &str = "%";
-pub(super) const IN_A_MILLION: &str = "rays in a million";
-
-/// The larger of values, none of none.
-pub(super) fn greatest(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    values.into_iter().reduce(f64::max)
-}
-
-/// The least of values, none of none.
-pub(super) fn least(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    values.into_iter().reduce(f64::min)
-}
-
-/// The mean of values, none of none.
-pub(super) fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// Of ratios that which lies farthest from 1, none of none.
-pub(super) fn farthest_from_one(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    values.into_iter().max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()))
+    /// Its values in a run; none where the run lacks the rows. What is no number is none.
+    pub fn values(&self, rows: &Rows<'_>) -> Vec<OfScene> {
+        let of = |label: &str, scene: &SceneRows<'_>| {
+            let found = Evaluation::new(self.paper, &rows.scenes, scene).value(&self.told.is)?;
+            let found = if let Value::Number(found) = found { found } else { return None };
+            found.value.is_finite().then(|| OfScene { scene: label.to_owned(), found })
+        };
+        match rows.scenes.first() {
+            Some(first) if self.told.of_all_scenes => of("all scenes", first).into_iter().collect(),
+            _ => rows.scenes.iter().filter_map(|scene| of(&scene.label, scene)).collect(),
+        }
+    }
 }
 
 /// Kendall's rank correlation of pairs, from -1 (one falls as the other rises) to 1; pairs that are equal in one count as

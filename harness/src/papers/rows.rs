@@ -206,44 +206,10 @@ pub(crate) fn agreement(trace: &TraceRecord) -> Option<f64> {
     }
 }
 
-/// Agreement under `footprint`; of closest-hit sets alone.
-pub(crate) fn footprint(trace: &TraceRecord) -> Option<f64> {
-    match &trace.judgement {
-        Judgement::Closest(closest) => closest.agreement.footprint,
-        Judgement::Any(_) => None,
-    }
-}
-
 /// Rays that count, and of them those of a kind; of closest-hit sets alone.
 pub(super) fn counted(trace: &TraceRecord, of: impl Fn(&ClosestJudgement) -> Option<u64>) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
     Some([trace.count.saturating_sub(closest.left_out()), of(closest)?])
-}
-
-/// Rays that are missed under `tight`, as [`counted`].
-pub(crate) fn false_misses(trace: &TraceRecord) -> Option<[u64; 2]> {
-    counted(trace, |closest| Some(closest.classes.tight.false_miss))
-}
-
-/// Rays that passed their true hit, into nothing or on to another surface, by more than a footprint, as [`counted`].
-pub(crate) fn passed(trace: &TraceRecord) -> Option<[u64; 2]> {
-    counted(trace, |closest| Some(closest.classes.footprint.false_miss + closest.classes.footprint.late))
-}
-
-/// Rays that are wrong under `tight`, as [`counted`].
-pub(crate) fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
-    counted(trace, |closest| Some(closest.classes.tight.wrong()))
-}
-
-/// Rays that are wrong for a cause under a rule, as [`counted`].
-pub(super) fn of_cause(trace: &TraceRecord, rule: &str, cause: &str) -> Option<[u64; 2]> {
-    counted(trace, |closest| Some(closest.causes.get(rule)?.get(cause).copied().unwrap_or(0)))
-}
-
-/// The share of the rays of all sets of a row that are of a kind.
-pub(super) fn share_of_all(row: &Row, of: impl Fn(&TraceRecord) -> Option<[u64; 2]>) -> Option<f64> {
-    let sums = row.traces.iter().filter_map(of).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    (sums[0] > 0).then(|| sums[1] as f64 / sums[0] as f64)
 }
 
 /// The share of a row's rays that it answers as the first row of its tracer does, of the ray set with the least.
@@ -262,25 +228,19 @@ pub(super) fn same_hits(one: &Row, other: &Row) -> Option<f64> {
     (!same.is_empty()).then(|| same.iter().filter(|same| **same).count() as f64 / same.len() as f64)
 }
 
-/// Rays in a million, of a share.
-pub(crate) const MILLION: f64 = 1e6;
-
-/// What is counted of a trace: rays that count, and of them those of a kind.
-type Count = fn(&TraceRecord) -> Option<[u64; 2]>;
-
-/// Rays in a million over all closest-hit sets that two rows have, in one beyond the other.
-pub(crate) fn beyond(one: &Row, other: &Row, count: Count) -> Option<f64> {
-    beyond_of(one, other, |_| true, count)
-}
-
-/// The same over some of the sets.
-pub(crate) fn beyond_of(one: &Row, other: &Row, wanted: impl Fn(&TraceRecord) -> bool, count: Count) -> Option<f64> {
+/// Rays in a million over the closest-hit sets wanted that two rows have, of what is counted in one beyond the other.
+pub(super) fn beyond(
+    one: &Row,
+    other: &Row,
+    wanted: impl Fn(&TraceRecord) -> bool,
+    count: impl Fn(&TraceRecord) -> Option<[u64; 2]>,
+) -> Option<f64> {
     let mut sums = [0_u64; 3];
     for own in one.traces.iter().filter(|trace| wanted(trace)) {
         let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256);
-        let Some((here, there)) = count(own).zip(same.and_then(count)) else { continue };
+        let Some((here, there)) = count(own).zip(same.and_then(&count)) else { continue };
         sums = [sums[0] + here[0], sums[1] + here[1], sums[2] + there[1]];
     }
     let [rays, here, there] = sums.map(|sum| sum as f64);
-    (rays > 0.0).then(|| (here - there) / rays * MILLION)
+    (rays > 0.0).then(|| (here - there) / rays * 1e6)
 }

@@ -77,7 +77,7 @@ fn claims_can_be_decided() {
         }
     }
     for paper in PAPERS {
-        let own: Vec<&str> = paper.quantities.iter().copied().flatten().map(|quantity| quantity.name).collect();
+        let own: Vec<&str> = paper.told.quantities.iter().map(|quantity| quantity.name.as_str()).collect();
         for (index, name) in own.iter().enumerate() {
             assert!(!own[..index].contains(name), "{name} twice");
             assert!(used.contains(&(paper.name, *name)), "{name} decides nothing of {}", paper.name);
@@ -99,9 +99,16 @@ fn experiments_name_what_exists() {
         assert!(sets.into_iter().all(|name| RAY_SETS.iter().any(|set| set.name == name)), "{}", experiment.name);
         assert!(experiment.published.iter().all(|id| published.iter().any(|table| table.id == *id)));
         assert!(experiment.settings.iter().all(|setting| setting.starts_with("rays.")));
-        for step in experiment.steps {
+        let own = |name: &&str| *name == "by part" || paper.pages.tables.contains_key(*name);
+        let is_section =
+            |name: &&str| name.strip_prefix("beside ").map_or_else(|| own(name), |it| experiment.holds(it));
+        assert!(experiment.sections.iter().all(is_section), "{}", experiment.name);
+        assert!(experiment.charts.iter().all(|name| paper.pages.charts.contains_key(*name)));
+        let few = experiment.few_rows.iter().flatten();
+        assert!(few.into_iter().all(|row| experiment.holds(row.tracer)), "{}", experiment.name);
+        for step in &experiment.steps {
             let mut values = crate::rays::default_parameters();
-            for (name, value) in step.rays {
+            for (name, value) in &step.rays {
                 values.set(&crate::rays::ray_parameters(), name, value).unwrap();
             }
             assert!((tracebench_scenes::SCALE_MIN..=tracebench_scenes::SCALE_MAX).contains(&step.scale));
@@ -111,7 +118,8 @@ fn experiments_name_what_exists() {
                 let known = crate::registry::find(row.tracer).unwrap().describe().parameters;
                 let has = |name: &str| experiment.launch && known.iter().any(|parameter| parameter.name == name);
                 let launch = experiment::MEANS.iter().filter(|(name, _)| has(name));
-                row.values.iter().chain(launch).map(|(_, values)| values.len()).product::<usize>()
+                let own = row.values.iter().map(|(_, values)| values.len());
+                own.chain(launch.map(|(_, values)| values.len())).product::<usize>()
             };
             assert_eq!(requests.len(), step.rows.iter().map(combinations).sum::<usize>(), "{}", experiment.name);
             for (index, request) in requests.iter().enumerate() {
@@ -421,4 +429,129 @@ fn chances_of_orders_are_exact() {
     }
     // Beyond what the count gives chance makes nothing.
     assert_eq!(quantity::rank_chance(4, 1.1), 0.0);
+}
+
+/// Every function that a paper's data takes is one of its own or of all papers' ([`functions`]), with as many arguments as its own takes, and
+/// what makes one of several is known; a misspelled one is found so.
+#[test]
+fn told_functions_are_known() {
+    use expression::{Expression, Step};
+
+    const MADE_ONE: [&str; 13] = [
+        "list",
+        "count",
+        "one",
+        "sum",
+        "mean",
+        "median",
+        "least",
+        "greatest",
+        "farthest",
+        "at_least",
+        "at_greatest",
+        "rank",
+        "rank_beyond_chance",
+    ];
+    fn calls(of: &Expression, found: &mut Vec<(String, Option<usize>)>) {
+        match of {
+            Expression::Number(_) | Expression::Text(_) | Expression::Variable(_) => {}
+            Expression::List(all) => all.iter().for_each(|each| calls(each, found)),
+            Expression::Rows { tracer, values, .. } => {
+                calls(tracer, found);
+                values.iter().filter_map(|(_, value)| value.as_ref()).for_each(|each| calls(each, found));
+            }
+            Expression::Sign(_, sides) => sides.iter().for_each(|each| calls(each, found)),
+            Expression::Call(name, arguments) => {
+                found.push((name.clone(), Some(arguments.len())));
+                arguments.iter().for_each(|each| calls(each, found));
+            }
+            Expression::Over(over) => {
+                found.push((over.name.clone(), None));
+                for Step::Each(_, is) | Step::Let(_, is) | Step::If(is) | Step::At(is) in &over.steps {
+                    calls(is, found);
+                }
+                over.results.iter().for_each(|each| calls(each, found));
+            }
+        }
+    }
+    let unknown = |paper: &Paper, text: &str| -> Vec<String> {
+        let mut found = Vec::new();
+        calls(&Expression::try_from(text.to_owned()).unwrap(), &mut found);
+        let is_known = |(name, arguments): &(String, Option<usize>)| match (paper.told.functions.find(name), arguments)
+        {
+            (Some(own), Some(count)) => own.arguments.iter().filter(|argument| argument.len() > 1).count() == *count,
+            (None, Some(_)) => {
+                let known = functions::FUNCTIONS.iter().any(|(own, _)| own == name);
+                let figure = paper.figures.iter().any(|(own, _)| own == name);
+                known
+                    || figure
+                    || name.starts_with('$')
+                    || MADE_ONE.contains(&&**name)
+                    || ["either", "words"].contains(&&**name)
+            }
+            (_, None) => MADE_ONE.contains(&&**name),
+        };
+        found.into_iter().filter(|call| !is_known(call)).map(|(name, _)| name).collect()
+    };
+    for paper in PAPERS {
+        for file in ["quantities", "pages"] {
+            let path = format!("{}/src/papers/{}/{file}.json", env!("CARGO_MANIFEST_DIR"), paper.name);
+            let told: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+            let functions = told["functions"].as_object().into_iter().flatten().map(|(_, is)| is);
+            let quantities = told["quantities"].as_array().into_iter().flatten().map(|quantity| &quantity["is"]);
+            let tables = told["tables"].as_object().into_iter().flatten();
+            let columns = tables.flat_map(|(_, table)| table["columns"].as_array().unwrap()).map(|column| &column[1]);
+            let charts = told["charts"].as_object().into_iter().flatten();
+            let values = charts.flat_map(|(_, chart)| chart["panels"].as_array().unwrap()).map(|panel| &panel[2]);
+            for text in functions.chain(quantities).chain(columns).chain(values) {
+                let text = text.as_str().unwrap();
+                assert_eq!(unknown(paper, text), Vec::<String>::new(), "{}: {text}", paper.name);
+            }
+        }
+    }
+    assert_eq!(
+        unknown(PAPERS[0], "least($row in dirt[]: byte($row)) + leastt($a in 1: 2) + bytes(dirt[])"),
+        ["byte", "leastt"]
+    );
+    assert_eq!(unknown(PAPERS[0], "references(dirt[], 2)"), ["references"]);
+}
+
+/// What cannot be read says what is wanted, and where; steps leave out or refuse what is missing, as they are told.
+#[test]
+fn expressions_are_read_and_followed() {
+    use evaluate::{Evaluation, Value};
+    use expression::Expression;
+
+    for (text, said) in [
+        ("1 + ", "a name is wanted after `1 +`"),
+        ("least($row in dirt[]", ": is wanted after"),
+        ("dirt[tile_size 2]", "= is wanted after `dirt [ tile_size`"),
+        ("(1", ") is wanted"),
+        ("'open", "no end of"),
+        ("1 2", "an end is wanted after `1`"),
+    ] {
+        let error = Expression::try_from(text.to_owned()).unwrap_err();
+        assert!(error.contains(said), "{text}: {error}");
+    }
+    let record = run_of(vec![
+        dirt("a", json!({ "tile_size": "1", "buckets": 4 }), &[("references", 6.0)]),
+        dirt("a", json!({ "tile_size": "2", "buckets": 4 }), &[("parts", 2.0)]),
+    ]);
+    let rows = Rows::of(&record);
+    let found = |text: &str| {
+        let expression = Expression::try_from(text.to_owned()).unwrap();
+        let mut at = Evaluation::new(PAPERS[0], &rows.scenes, &rows.scenes[0]);
+        at.value(&expression)
+            .and_then(|value| if let Value::Number(number) = value { Some(number.value) } else { None })
+    };
+    assert_eq!(found("1 + 2 * 3 - 4 / 2"), Some(5.0));
+    assert_eq!(found("(1 + 2) * (3 <= 3) + (2 == 3)"), Some(3.0));
+    assert_eq!(found("sum($row in dirt[]: told($row, references))"), None);
+    assert_eq!(found("sum?($row in dirt[]: told($row, references))"), Some(6.0));
+    assert_eq!(found("either(told(dirt[tile_size=2], references), 7)"), Some(7.0));
+    assert_eq!(found("value(~dirt[tile_size=*], buckets)"), Some(4.0));
+    assert_eq!(found("count($row in ~dirt[]: $row) + 10 * count($row in ~dirt[tile_size=*]: $row)"), Some(21.0));
+    assert_eq!(found("sum($few, $many in steps(1 | 2 | 4), if $few > 1: $many)"), Some(4.0));
+    assert_eq!(found("$unbound"), None);
+    assert_eq!(found("no_such(1)"), None);
 }

@@ -27,11 +27,6 @@ fn traced_together<'a>(row: &'a Row, sets: &[&str]) -> Option<Timed<'a>> {
     all.try_fold(first, |sum, next| Some(sum.and(next?)))
 }
 
-/// Build and traces of a row, every set traced as often as said.
-fn total<'a>(row: &'a Row, mix: &[(&str, f64)]) -> Option<Timed<'a>> {
-    mix.iter().try_fold(Timed::steady_build(row), |sum, (rays, often)| Some(sum.and(traced(row, rays)?.times(*often))))
-}
-
 /// Kendall's rank correlation, as [`super::quantity::rank_correlation`], of numbers and what was timed: a pair whose order the times
 /// leave open counts for either.
 pub(super) fn rank_correlation(record: &Record, points: &[(f64, Timed<'_>)]) -> Option<Estimate> {
@@ -60,31 +55,17 @@ fn same_work(one: &TraceRecord, other: &TraceRecord) -> bool {
 }
 
 impl SceneRows<'_> {
-    /// How many times as long a steady build takes in one row as in another: papers build once a frame.
-    pub(in crate::papers) fn build_ratio(&self, one: &Row, other: &Row) -> Option<Estimate> {
-        ratio(self.record, &Timed::steady_build(one), &Timed::steady_build(other))
-    }
-
-    /// How many times as long a phase of the build takes in one row as in another.
-    pub(in crate::papers) fn phase_ratio(&self, one: &Row, other: &Row, phase: &str) -> Option<Estimate> {
-        ratio(self.record, &Timed::build_phase(one, phase), &Timed::build_phase(other, phase))
-    }
-
-    /// How many times as long a trace takes in one row as in another; of two methods at the rows' launch settings, at every launch setting
-    /// that both were measured at, and at each one's best.
-    pub(in crate::papers) fn trace_ratio(&self, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
-        let found = self.layout_ratio(one, other, rays)?;
+    /// How many times as long ray sets together take in one row as in another; of two methods at the rows' launch settings, at every launch
+    /// setting that both were measured at, and at each one's best.
+    pub(in crate::papers) fn traces_ratio(&self, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
+        let found = self.together(one, other, sets)?;
         if one.tracer.name != other.tracer.name {
-            return self.at_launch_settings(found, one, other, &[rays]);
+            return self.at_launch_settings(found, one, other, sets);
         }
         let [low, high] = found.interval;
-        let unexplained = (low > 1.0 || high < 1.0) && same_work(trace(one, rays)?, trace(other, rays)?);
+        let same = |rays: &&str| Some(same_work(trace(one, rays)?, trace(other, rays)?));
+        let unexplained = (low > 1.0 || high < 1.0) && sets.iter().all(|rays| same(rays) == Some(true));
         Some(if unexplained { found.doubted(SAME_WORK.to_owned()) } else { found })
-    }
-
-    /// The same of several ray sets together, of two methods.
-    pub(in crate::papers) fn traces_ratio(&self, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
-        self.at_launch_settings(self.together(one, other, sets)?, one, other, sets)
     }
 
     /// How many times as long some ray sets together take in one row as in another, at the rows' launch settings.
@@ -106,21 +87,6 @@ impl SceneRows<'_> {
         let time = |row: &Row| sets.iter().map(|rays| host_ms(&trace(row, rays)?.times)).sum::<Option<f64>>();
         let all = at_launch_settings(&ones, &others, time, |one, other| self.together(one, other, sets));
         Some(found.spread_over(all.equal.into_iter().map(|(_, ratio)| ratio).chain(all.best.map(|(_, ratio)| ratio))))
-    }
-
-    /// The same of rows that are meant to do the same and differ in how data lies.
-    pub(in crate::papers) fn layout_ratio(&self, one: &Row, other: &Row, rays: &str) -> Option<Estimate> {
-        ratio(self.record, &traced(one, rays)?, &traced(other, rays)?)
-    }
-
-    /// How many times as long one ray set takes as another, in one row.
-    pub(in crate::papers) fn set_ratio(&self, row: &Row, one: &str, other: &str) -> Option<Estimate> {
-        ratio(self.record, &traced(row, one)?, &traced(row, other)?)
-    }
-
-    /// How many times as long build and traces take in one row as in another, every set traced as often as said.
-    pub(in crate::papers) fn total_ratio(&self, one: &Row, other: &Row, mix: &[(&str, f64)]) -> Option<Estimate> {
-        ratio(self.record, &total(one, mix)?, &total(other, mix)?)
     }
 }
 
@@ -150,7 +116,7 @@ mod tests {
 
     fn found(record: &Record) -> Estimate {
         let rows = Rows::of(record);
-        rows.scenes[0].trace_ratio(&record.rows[1], &record.rows[0], "diffuse").unwrap()
+        rows.scenes[0].traces_ratio(&record.rows[1], &record.rows[0], &["diffuse"]).unwrap()
     }
 
     /// A ratio is sure where it is of as many paired rounds as a verdict takes; what slows a round for both widens nothing, and fewer
@@ -181,7 +147,7 @@ mod tests {
         let ratio = |rows: &[Row], other: usize| {
             let record = in_interleaved_sets(run_of(rows.to_vec()));
             let rows = Rows::of(&record);
-            rows.scenes[0].trace_ratio(&record.rows[0], &record.rows[other], "diffuse").unwrap()
+            rows.scenes[0].traces_ratio(&record.rows[0], &record.rows[other], &["diffuse"]).unwrap()
         };
         // 2 by buffers, 4.8 by textures, 4 at each one's best.
         let rows =

@@ -66,7 +66,7 @@ pub struct JudgedClaim {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub either: Vec<Vec<SceneValue>>,
     /// Unit of the values.
-    pub unit: &'static str,
+    pub unit: String,
     /// Their median.
     pub median: Option<f64>,
     /// How many of the scenes that it is about were measured, and how many there are.
@@ -100,7 +100,8 @@ impl JudgedClaim {
     }
 
     fn without_values(claim: Claim, verdict: Verdict, reason: String) -> Self {
-        let (values, either, unit, median, scenes, measured_by) = (Vec::new(), Vec::new(), "", None, [0; 2], None);
+        let (values, either, unit, median, scenes, measured_by) =
+            (Vec::new(), Vec::new(), String::new(), None, [0; 2], None);
         Self { claim, verdict, reason: Some(reason), values, either, unit, median, scenes, measured_by }
     }
 }
@@ -163,7 +164,7 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         median: (!values.is_empty()).then(|| crate::statistics::median(&plain)),
         values,
         either,
-        unit: readings[0].0.unit,
+        unit: readings[0].0.unit.to_owned(),
         scenes: [about.names(), if scenes.is_empty() { experiment.scenes.len() } else { scenes.len() }],
         measured_by: Some(measured_by),
     }
@@ -183,7 +184,7 @@ fn scope(rows: &Rows<'_>) -> String {
 }
 
 /// What every reading says: undecided with all that they say where it is not the same.
-fn agreed(rule: &Rule, readings: &[(&Quantity, Vec<OfScene>)]) -> (Verdict, Option<String>) {
+fn agreed(rule: &Rule, readings: &[(Quantity<'_>, Vec<OfScene>)]) -> (Verdict, Option<String>) {
     let each: Vec<_> = readings.iter().map(|(_, found)| decided(rule, found)).collect();
     if each.iter().all_equal() {
         return each[0].clone();

@@ -53,6 +53,29 @@ impl Cell {
         value.into().map_or(Self::None, |value| Self::Number(value, digits))
     }
 
+    /// The number, if it is one: of a number with an interval itself, of percentiles the median.
+    pub(crate) fn value(&self) -> Option<f64> {
+        match self {
+            Self::None
+            | Self::Absent
+            | Self::Text(_)
+            | Self::Name(_)
+            | Self::Named(..)
+            | Self::Flag(_)
+            | Self::Shares(..)
+            | Self::Parts(_) => None,
+            Self::Count(count) => Some(*count as f64),
+            Self::Bytes(value)
+            | Self::Statistic(value)
+            | Self::Number(value, _)
+            | Self::Measured(value, ..)
+            | Self::Share(value, ..)
+            | Self::Percent(value, _) => Some(*value),
+            Self::Accuracy(accuracy) => accuracy.share,
+            Self::Percentiles(percentiles) => percentiles.p50,
+        }
+    }
+
     /// As programs read it: its parts, each with what it adds to its column's name. A number has the ends of its interval, too.
     fn fields(&self) -> Vec<(&'static str, String)> {
         let one = |text: String| vec![("", text)];

@@ -97,7 +97,7 @@ mod tests {
     /// any has its second, and that where all is wanted whole nothing is measured in part.
     #[test]
     fn every_table_has_its_turn() {
-        let known = PAPERS.iter().flat_map(|paper| paper.experiments);
+        let known = PAPERS.iter().flat_map(|paper| paper.experiments.iter());
         let known: BTreeSet<&str> =
             known.filter(|experiment| !experiment.published.is_empty()).map(|experiment| experiment.name).collect();
         let tables = |steps: &[Step], part: bool| -> Vec<String> {

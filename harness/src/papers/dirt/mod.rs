@@ -1,28 +1,28 @@
 //! Vardis, Vasilakis, Papaioannou: *DIRT: Deferred Image-based Ray Tracing*, HPG 2016.
 
-mod charts;
-mod experiments;
-mod quantities;
-mod sections;
 #[cfg(test)]
 pub(super) mod tests;
 
+use std::sync::LazyLock;
+
 use tracebench_api::MemoryEntry;
 
-use super::{Experiment, Paper, Part, Step, vvp16};
-use crate::plan::TracerRequest;
+use super::rows::{has, integer};
+use super::{Paper, embedded, vvp16};
 use crate::results::Row;
 
 /// The paper.
-pub(super) const PAPER: Paper = Paper {
+pub(super) static PAPER: Paper = Paper {
     name: "dirt",
-    experiments: experiments::EXPERIMENTS,
-    part: Part { rays: &["visibility", "diffuse"], step, row },
+    experiments: LazyLock::new(|| embedded(include_str!("experiments.json"))),
+    few_rays: &["visibility", "diffuse"],
+    pages: LazyLock::new(|| embedded(include_str!("pages.json"))),
     at_paper: None,
     published: include_str!("published.json"),
     claims_table: "dirt-claims",
     claims: include_str!("claims.json"),
-    quantities: quantities::QUANTITIES,
+    told: LazyLock::new(|| embedded(include_str!("quantities.json"))),
+    figures: &[("tiles", tiles), ("formula_bytes", vvp16::formula_bytes), ("ledger_bytes", vvp16::by_formula)],
     counts: &[
         ("references", "references"),
         ("parts", "parts of triangles"),
@@ -59,22 +59,11 @@ fn by_formula(row: &Row) -> Option<f64> {
     Some(structure as f64 + pixels * OF_A_PIXEL.iter().sum::<f64>())
 }
 
-/// Of a figure over resolution the bench takes one.
-fn step(step: &Step) -> bool {
-    step.resolution == 1.0
-}
-
-/// bvh-gpu is left out, and of Table 3 and Figure 10 most tile sizes and B.
-fn row(experiment: &Experiment, request: &TracerRequest) -> bool {
-    if request.name() != "dirt" {
-        return request.name() != "bvh-gpu";
-    }
-    let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
-    let buckets = value("buckets");
-    let edge = ["1", "4"].contains(&&*value("tile_size"));
-    match experiment.name {
-        "dirt-table3" => edge && buckets == "4",
-        "dirt-figure10" => edge && ["8", "24"].contains(&&*buckets),
-        _ => true,
-    }
+/// Tiles of all views, from the viewpoint alone.
+fn tiles(row: &Row) -> Option<f64> {
+    let tile_size = u32::try_from(integer(row, "tile_size")?).ok()?;
+    let [views, edges] =
+        if has(row, "views", "frame") { [[1, 1], row.viewpoint.frame] } else { [[6, 1], [row.viewpoint.face; 2]] };
+    let of_view: f64 = edges.iter().map(|edge| f64::from(edge.div_ceil(tile_size))).product();
+    Some(f64::from(views[0]) * of_view)
 }

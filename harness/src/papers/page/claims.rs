@@ -55,11 +55,11 @@ fn interval(of: &SceneValue) -> String {
 /// Every scene's own figure, then the median; by every reading where there are several.
 fn measured(judged: &JudgedClaim) -> Option<String> {
     let scenes = |values: &[SceneValue]| {
-        let scene = |each: &SceneValue| format!("{} {}{}", each.scene, value(each.value, judged.unit), interval(each));
+        let scene = |each: &SceneValue| format!("{} {}{}", each.scene, value(each.value, &judged.unit), interval(each));
         (!values.is_empty()).then(|| values.iter().map(scene).collect::<Vec<_>>().join(", "))
     };
     let median = judged.median.filter(|_| judged.values.len() > 1);
-    let median = median.map_or_else(String::new, |median| format!("; median {}", value(median, judged.unit)));
+    let median = median.map_or_else(String::new, |median| format!("; median {}", value(median, &judged.unit)));
     let own = scenes(&judged.values).map(|values| values + &median);
     let others = judged.claim.either().iter().zip(&judged.either);
     let others = others.filter_map(|(either, values)| Some(format!("by `{either}` {}", scenes(values)?)));

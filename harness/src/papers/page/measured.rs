@@ -1,6 +1,8 @@
 //! What was measured: a paper's own sections, then structures and traces of every scene and resolution.
 
 use super::Page;
+use super::beside::{beside, by_part};
+use super::told;
 use crate::papers::rows::{self, trace};
 use crate::papers::{SceneRows, Scope};
 use crate::report::document::{Document, Of, set_heading};
@@ -17,8 +19,17 @@ pub(super) fn sections(page: &Page<'_>) -> Document {
     let at = page.rows.scenes.iter().flat_map(SceneRows::by_resolution);
     Document::default()
         .heading(2, "Here")
-        .and(page.experiment.sections.iter().map(|section| section(page)))
+        .and(page.experiment.sections.iter().map(|name| section(page, name)))
         .and(at.filter_map(|at| at_resolution(page, &at)))
+}
+
+/// A section by name.
+fn section(page: &Page<'_>, name: &str) -> Document {
+    match (name.strip_prefix("beside "), page.paper.pages.tables.get(name)) {
+        (Some(reference), _) => beside(page, reference),
+        (None, Some(told)) => told::section(page, told),
+        (None, None) => by_part(page),
+    }
 }
 
 fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
@@ -83,23 +94,13 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
     Document::of(format!("**{title}**")).paragraph(cells::coverage(&all)).table(sheet.table(&all))
 }
 
-/// A tracer's row in a scene.
-pub(in crate::papers) type TableRow<'a> = (&'a SceneRows<'a>, &'a Row);
-
-/// A table that begins with scene and tracer.
-pub(in crate::papers) fn of_rows<'a, R>(row: impl Fn(&R) -> TableRow<'_> + Copy + 'a) -> Sheet<'a, R> {
-    Sheet::new()
-        .column("scene", move |each| Cell::Name(row(each).0.label.clone()))
-        .column("tracer", move |each| row(each).1.label())
-}
-
 /// One over another, where there are both.
-pub(in crate::papers) fn over(own: Option<f64>, first: Option<f64>) -> Cell {
+fn over(own: Option<f64>, first: Option<f64>) -> Cell {
     Cell::number(own.zip(first).map(|(own, first)| own / first), 3)
 }
 
 /// A figure of rows over that of the first one.
-pub(in crate::papers) fn over_first<'a>(
+pub(super) fn over_first<'a>(
     heading: &str,
     first: &'a Row,
     of: impl Fn(&Row) -> Option<f64> + 'a,
@@ -127,12 +128,12 @@ pub(in crate::papers) fn speed_with_accuracy(trace: &TraceRecord) -> Option<Accu
 }
 
 /// What stands above tables of times by [`time_with_accuracy`].
-pub(in crate::papers) const TIMES: &str = "Times are medians by the host's clock with the accuracy of the same rays: agreement under hit_miss and footprint, of \
+pub(super) const TIMES: &str = "Times are medians by the host's clock with the accuracy of the same rays: agreement under hit_miss and footprint, of \
                      any-hit sets balanced accuracy, the worst where several sets are added up.";
 
 /// Milliseconds of traces by the host's clock with the accuracy of the same rays, the least of theirs: agreement under `hit_miss`
 /// and `footprint`, of any-hit sets balanced accuracy. None where one could not be judged, so that no time stands without it.
-pub(in crate::papers) fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<Accurate> {
+fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<Accurate> {
     let mut ms = 0.0;
     let mut least: Option<(f64, String)> = None;
     for trace in traces {
@@ -161,6 +162,6 @@ pub(in crate::papers) fn time_of(row: &Row, sets: &[&str]) -> Option<Accurate> {
 }
 
 /// Its milliseconds alone, for ratios.
-pub(in crate::papers) fn ms_of(row: &Row, sets: &[&str]) -> Option<f64> {
+pub(super) fn ms_of(row: &Row, sets: &[&str]) -> Option<f64> {
     Some(time_of(row, sets)?.value)
 }

@@ -1,14 +1,13 @@
 //! A paper's table or figure measured here: `table_NAME.md` and `verdicts_NAME.json`, with charts.
 
-pub(super) mod beside;
-pub(super) mod charts;
+mod beside;
 mod claims;
 pub(super) mod measured;
 mod published;
+pub(super) mod told;
 
 pub use claims::claims_of;
 pub(crate) use claims::claims_report;
-use measured::TableRow;
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};
 use crate::report::chart::series::series;
@@ -19,7 +18,7 @@ use crate::results::{Record, Row};
 /// What the sections and charts of a page are made from.
 pub(crate) struct Page<'a> {
     /// The paper.
-    pub paper: &'a Paper,
+    pub paper: &'static Paper,
     /// Its table or figure.
     pub experiment: &'a Experiment,
     /// What was measured.
@@ -39,16 +38,6 @@ impl<'a> Page<'a> {
         let scene = self.experiment.stands_for(&row.scene)?;
         self.printed()?.value(&[&[("scene", scene)], labels].concat(), column)
     }
-
-    /// Every row with its scene.
-    pub(super) fn all(&self) -> impl Iterator<Item = TableRow<'a>> + use<'a> {
-        self.rows.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row)))
-    }
-
-    /// Those of a tracer.
-    pub(super) fn of_tracer(&self, tracer: &'static str) -> impl Iterator<Item = TableRow<'a>> + use<'a> {
-        self.all().filter(move |(_, row)| row.tracer.name == tracer)
-    }
 }
 
 fn broken(error: &DataError) -> ReportError {
@@ -56,7 +45,7 @@ fn broken(error: &DataError) -> ReportError {
 }
 
 /// An experiment over a run.
-pub(crate) fn report(paper: &Paper, experiment: &Experiment, record: &Record) -> Result<Report, ReportError> {
+pub(crate) fn report(paper: &'static Paper, experiment: &Experiment, record: &Record) -> Result<Report, ReportError> {
     let mut record = record.clone();
     record.rows.retain(|one| experiment.holds(&one.tracer.name));
     let rows = Rows::of(&record);
@@ -65,7 +54,8 @@ pub(crate) fn report(paper: &Paper, experiment: &Experiment, record: &Record) ->
     let own = all.iter().filter(|claim| claim.table() == Some(experiment.name));
     let judged: Vec<_> = own.map(|claim| judge(paper, claim, &rows)).collect();
     let page = Page { paper, experiment, rows: &rows, published: &published.tables };
-    let charts: Vec<_> = experiment.charts.iter().flat_map(|charts| charts(&page)).collect();
+    let charts = experiment.charts.iter().filter_map(|name| paper.pages.charts.get(*name));
+    let charts: Vec<_> = charts.flat_map(|told| told::charts(&page, told)).collect();
     let is_beside = |table: &&PublishedTable| experiment.published.contains(&table.id.as_str());
     let beside: Vec<_> = published.tables.iter().filter(is_beside).collect();
     let document =

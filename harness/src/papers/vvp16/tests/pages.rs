@@ -4,9 +4,13 @@ use serde_json::json;
 use tracebench_api::{ClockKind, Query};
 
 use crate::papers::fixture::{self, Quality, page_of, take_judgements};
-use crate::papers::vvp16::skipping;
 use crate::papers::{find, report};
 use crate::results::{CounterRecord, Record};
+
+/// Empty-space skipping on or off.
+fn skipping(switch: &str) -> [(&'static str, &str); 2] {
+    ["skip_bounds", "skip_buckets"].map(|name| (name, switch))
+}
 
 /// A run of VVP16's tracer: rows with values, on the fixture's room.
 fn abuffer(rows: &[&[(&str, &str)]], sets: &[(&str, Query)]) -> Record {

@@ -2,7 +2,6 @@
 
 use serde_json::json;
 
-use super::super::SAMPLES_A_RAY;
 use super::{figure_14, quadtree, table_1, table_2, table_5};
 use crate::papers::fixture::{page_of, run_of, set_build, set_time, take_judgements};
 use crate::papers::{find, report};
@@ -55,7 +54,7 @@ fn table_5_stands_beside_the_papers() {
         "{without}"
     );
     for one in &mut record.rows {
-        one.tracer.parameters.insert(SAMPLES_A_RAY.to_owned(), json!(8));
+        one.tracer.parameters.insert("secondary_samples".to_owned(), json!(8));
     }
     let page = page_of("wkp15-table5", &record);
     // 12.38 over 6.96 and 24.75 over 13.5 printed.
@@ -112,7 +111,7 @@ fn pages_are_made_of_any_run() {
     let mut rows = table_2("room");
     rows.iter_mut().for_each(|row| set_time(row, "lens", 1.0));
     let record = run_of(rows);
-    for experiment in super::PAPER.experiments {
+    for experiment in super::PAPER.experiments.iter() {
         let made = report(&super::PAPER, experiment, &record).unwrap().contents().unwrap();
         assert!(made.iter().any(|(file, _)| file.ends_with(".md")), "{}", experiment.name);
     }

@@ -1,0 +1,128 @@
+//! Tables and charts of pages as a paper's data tells them: expressions over the rows that steps lead to.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::Page;
+use super::measured::TIMES;
+use crate::papers::evaluate::{Evaluation, Value};
+use crate::papers::expression::{Expression, Steps};
+use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
+use crate::report::document::Document;
+use crate::report::format::file_stem;
+use crate::report::sheet::{Cell, Sheet};
+
+/// What a paper's `pages.json` tells, by the names that experiments take.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::papers) struct Told {
+    pub tables: BTreeMap<String, ToldTable>,
+    pub charts: BTreeMap<String, ToldChart>,
+}
+
+/// A table.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::papers) struct ToldTable {
+    /// What stands above it.
+    #[serde(default)]
+    words: String,
+    /// Whether it has times, whose words stand before.
+    #[serde(default)]
+    timed: bool,
+    /// Whether it is left out where it has no rows.
+    #[serde(default)]
+    optional: bool,
+    rows: Steps,
+    /// Headings with what stands below them.
+    columns: Vec<(String, Expression)>,
+}
+
+/// A chart, or one for each of what steps lead to.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::papers) struct ToldChart {
+    #[serde(default)]
+    each: Steps,
+    /// What its files are called beside the experiment's name.
+    name: Option<Expression>,
+    title: String,
+    subtitle: Expression,
+    /// What solid and dashed lines are, and where that is told.
+    key: Option<[String; 2]>,
+    key_if: Option<Expression>,
+    /// Of what there are panels: title or a variable that holds it, quantity, the value `$step` of a line.
+    #[serde(default)]
+    panels_of: Steps,
+    panels: Vec<(String, String, Expression)>,
+    /// What changes from step to step, and the steps: lists begin with their names.
+    setting: String,
+    steps: Expression,
+    lines: Steps,
+    label: Expression,
+    dashed: Option<Expression>,
+}
+
+/// A table with what stands above it.
+pub(super) fn section<'a>(page: &'a Page<'a>, told: &'a ToldTable) -> Document {
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    if let Some(mut at) = Evaluation::of_page(page) {
+        at.each(&told.rows, &mut |at| rows.push(told.columns.iter().map(|(_, is)| at.cell(is)).collect()));
+    }
+    let sheet = told.columns.iter().enumerate().fold(Sheet::<Vec<Cell>>::new(), |sheet, (place, (heading, _))| {
+        sheet.column(heading, move |row| row[place].clone())
+    });
+    let words = if told.timed { format!("{TIMES} {}", told.words) } else { told.words.clone() };
+    let table = sheet.table(&rows);
+    match told.optional {
+        true => Document::default().below(words, table),
+        false => Document::of(words.trim_end()).table(table),
+    }
+}
+
+/// Its charts.
+pub(super) fn charts<'a>(page: &'a Page<'a>, told: &'static ToldChart) -> Vec<SeriesChart> {
+    let mut charts = Vec::new();
+    if let Some(mut at) = Evaluation::of_page(page) {
+        at.each(&told.each, &mut |at| charts.push(chart(page, told, at)));
+    }
+    charts
+}
+
+fn chart<'a>(page: &Page<'_>, told: &'static ToldChart, at: &mut Evaluation<'a>) -> SeriesChart {
+    let words = |at: &mut Evaluation<'a>, what: &'a Expression| at.cell(what).describe();
+    let rest = told.name.as_ref().map_or_else(String::new, |name| words(at, name));
+    let has_key = told.key_if.as_ref().is_none_or(|key| at.holds(key) == Some(true));
+    let subtitle = words(at, &told.subtitle);
+    let mut panels = Vec::new();
+    at.each(&told.panels_of, &mut |at| {
+        for (title, quantity, value) in &told.panels {
+            let title = at.variable(title).and_then(|title| title.text()).unwrap_or_else(|| title.clone());
+            let steps = at.value(&told.steps).map_or_else(Vec::new, Value::items);
+            let mut series = Vec::new();
+            at.each(&told.lines, &mut |at| {
+                let label = words(at, &told.label);
+                let dashed = told.dashed.as_ref().is_some_and(|dashed| at.holds(dashed) == Some(true));
+                let values = steps.iter().map(|step| at.at_step(step, value));
+                series.push(Series { label, values: values.collect(), dashed });
+            });
+            let name = |step: &Value<'_>| step.clone().items().first().and_then(Value::text).unwrap_or_default();
+            panels.push(SeriesPanel {
+                of: None,
+                title,
+                setting: told.setting.clone(),
+                steps: steps.iter().map(name).collect(),
+                quantity: quantity.clone(),
+                series,
+            });
+        }
+    });
+    SeriesChart {
+        stem: file_stem(&format!("figure_{}{rest}", page.experiment.name.replace('-', "_"))),
+        title: told.title.clone(),
+        subtitle,
+        key: told.key.as_ref().filter(|_| has_key).map(|key| key.each_ref().map(String::as_str)),
+        panels,
+    }
+}
