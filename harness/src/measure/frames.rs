@@ -168,7 +168,7 @@ pub(crate) fn follow(
                     continue;
                 }
                 let is_last = counts && frame + 1 == frames;
-                let updated = follower.bring(policy, frame, is_last, film, &geometry, plan, gpu);
+                let updated = follower.bring(policy, (frame, is_last), film, &geometry, plan, gpu);
                 let done = match updated {
                     Ok(updated) if traces => {
                         work.turn(Turn { frame, follower: place, config: &follower.config, updated, counts })?
@@ -206,12 +206,11 @@ impl Follower {
         Ok(Self { config, resolution: request.resolution, out, is_of: None, built_sah: None, sah: None })
     }
 
-    /// Builds over the first frame, brings the structure to every other.
+    /// Builds over the first frame, brings the structure to every other; the frame, and whether it is the last that counts.
     fn bring(
         &mut self,
         policy: UpdatePolicy,
-        frame: usize,
-        is_last: bool,
+        (frame, is_last): (usize, bool),
         film: &MovingFrames,
         geometry: &Geometry,
         plan: &Plan,

@@ -40,16 +40,20 @@ pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
 pub use quantity::{OfScene, Quantity};
 pub use rows::{Rows, SceneRows};
+pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
+
 use std::sync::LazyLock;
 
 use tracebench_api::{MemoryEntry, TraceTo};
-pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
 
 use crate::plan::RunPreset;
 use crate::results::Row;
 
 /// Every paper, in the order of lists.
 pub static PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER, &wkp15::PAPER];
+
+/// A figure of a row.
+type Figure = fn(&Row) -> Option<f64>;
 
 /// A paper: what its folder holds.
 #[derive(Debug)]
@@ -73,7 +77,7 @@ pub struct Paper {
     /// What decides its claims: `quantities.json`.
     told: LazyLock<quantity::Told>,
     /// Figures of a row that have their own maths, by name, for what decides claims.
-    figures: &'static [(&'static str, fn(&Row) -> Option<f64>)],
+    figures: &'static [(&'static str, Figure)],
     /// Counts that structures say of themselves and its pages show, with their headings.
     counts: &'static [(&'static str, &'static str)],
     /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.

@@ -35,8 +35,8 @@ pub(super) const KINDS: [(&str, Make); 11] = [
     ("with -0.0", |of, stream, milder| of.with_zeros(-0.0, stream, milder)),
     ("with denormals", |of, stream, milder| of.with_zeros(DENORMAL, stream, milder)),
     ("of no length", |of, stream, milder| of.of_no_length(stream, milder)),
-    ("from far away", |of, stream, _| of.from_far(stream)),
-    ("from surfaces", |of, stream, milder| of.from_surface(stream, milder)),
+    ("from far away", |of, stream, _| of.far_ray(stream)),
+    ("from surfaces", |of, stream, milder| of.ray_of_surface(stream, milder)),
 ];
 
 /// One a pixel.
@@ -100,7 +100,7 @@ impl Kind<'_> {
     }
 
     /// From the eye.
-    fn from_eye(&self, direction: DVec3) -> Ray {
+    fn ray_of_eye(&self, direction: DVec3) -> Ray {
         let eye = self.scene.viewpoint.eye;
         Ray { origin: eye.into(), ..unbounded(eye.as_dvec3(), direction.normalize_or(DVec3::X)) }
     }
@@ -109,7 +109,7 @@ impl Kind<'_> {
     fn through_tile_border(&self, stream: &mut Stream) -> Ray {
         let viewpoint = self.scene.viewpoint;
         let [x, y] = viewpoint.frame.map(|edge| f64::from((stream.unit() * f64::from(edge / TILE + 1)) as u32 * TILE));
-        self.from_eye(viewpoint.frame_view().direction_through(x, y))
+        self.ray_of_eye(viewpoint.frame_view().direction_through(x, y))
     }
 
     /// Where two faces of a cube round the eye meet, or three.
@@ -118,7 +118,7 @@ impl Kind<'_> {
         let edges = if milder { 2 } else { 3 };
         direction[..edges].iter_mut().for_each(|part| *part = part.signum());
         direction.rotate_left((stream.unit() * 3.0) as usize);
-        self.from_eye(DVec3::from(direction))
+        self.ray_of_eye(DVec3::from(direction))
     }
 
     /// Square to two axes or to one, and what is 0 is some other number that says nothing; a coordinate of the origin, too, where 0 is in
@@ -145,14 +145,14 @@ impl Kind<'_> {
     }
 
     /// From up to 100,000 diagonals away towards the scene.
-    fn from_far(&self, stream: &mut Stream) -> Ray {
+    fn far_ray(&self, stream: &mut Stream) -> Ray {
         let (target, away) = (self.inside(stream), stream.sphere());
         let distance = self.diagonal() * 10_f64.powf(1.0 + (FAR_DECADES - 1.0) * stream.unit());
         unbounded(target + away * distance, -away)
     }
 
     /// From a surface as it is; `t_min` is 0, or a little beyond it.
-    fn from_surface(&self, stream: &mut Stream, milder: bool) -> Ray {
+    fn ray_of_surface(&self, stream: &mut Stream, milder: bool) -> Ray {
         let ([a, b, c], u) = (self.corners(stream), stream.unit());
         let t_min = if milder { (BESIDE_DIAGONALS * self.diagonal()) as f32 } else { 0.0 };
         Ray { t_min, ..unbounded(a.lerp(b, u).lerp(c, stream.unit()), stream.sphere()) }

@@ -120,8 +120,11 @@ pub struct Parts {
     /// The part of a value of theirs.
     pub(crate) find: fn(&str) -> Option<Part>,
     pub(crate) describe: fn(&[Part; 2]) -> TracerDescription,
-    pub(crate) create: fn(&[Part; 2], Device) -> Result<Box<dyn Tracer>, TracerError>,
+    pub(crate) create: CreateOfParts,
 }
+
+/// Makes a tracer of two parts.
+pub(crate) type CreateOfParts = fn(&[Part; 2], Device) -> Result<Box<dyn Tracer>, TracerError>;
 
 /// A tracer's registration.
 #[derive(Clone, Copy)]

@@ -153,7 +153,7 @@ impl Stage {
         match finishes.iter().zip(materials).filter(glossy).count() {
             0 => {}
             count => {
-                notes.push(format!("gloss is ignored: {count} materials that have some are shaded as diffuse ones"))
+                notes.push(format!("gloss is ignored: {count} materials that have some are shaded as diffuse ones"));
             }
         }
         if mirror_first {

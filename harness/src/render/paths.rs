@@ -170,7 +170,8 @@ impl Paths {
                 by_path
             };
             for (path, (one, other)) in outcomes(self).into_iter().zip(outcomes(other)).enumerate() {
-                if !same(one, other) && !(one.is_nan() && other.is_nan()) {
+                let both_none = one.is_nan() && other.is_nan();
+                if !(same(one, other) || both_none) {
                     first[path / self.spp as usize].get_or_insert(number);
                 }
             }

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::rc::Rc;
 
 use glam::{DVec3, Vec3};
@@ -93,11 +94,10 @@ impl<'a> Poses<'a> {
 
     /// The scene at a candidate's time and scale.
     pub(super) fn scene(&self, of: &Candidate) -> Result<Scene, RunError> {
-        let mut loaded = self.loaded.borrow_mut();
-        if !loaded.contains_key(&of.scale) {
-            loaded.insert(of.scale, load_scene(self.source, self.scales[of.scale])?);
-        }
-        let mut scene = loaded[&of.scale].clone();
+        let mut scene = match self.loaded.borrow_mut().entry(of.scale) {
+            Entry::Occupied(loaded) => loaded.get().clone(),
+            Entry::Vacant(place) => place.insert(load_scene(self.source, self.scales[of.scale])?).clone(),
+        };
         scene.drop_zero_area(&[self.times[of.time]])?;
         Ok(scene)
     }

@@ -98,7 +98,7 @@ impl Structure for Planted {
         };
         let hits = hits.host_mut(job.rays.host.len())?;
         clock.host_phase("answer", || {
-            hits.iter_mut().zip(job.rays.host.iter()).for_each(|(hit, ray)| *hit = answer(ray))
+            hits.iter_mut().zip(job.rays.host.iter()).for_each(|(hit, ray)| *hit = answer(ray));
         });
         Ok(())
     }

@@ -79,6 +79,9 @@ fn nearest(truth: &Truth, wave: &Wave) -> Vec<Answer> {
     wave.rays.par_iter().map(answer).collect()
 }
 
+/// What an image is like beside the reference, itself, its error as a picture and by pixel.
+type Beside = (ImageRow, Image8, Image8, Vec<[f32; 3]>);
+
 impl Studio<'_> {
     fn paths(&self, effect: Effect) -> Paths {
         let (size, seed) = (self.plan.preset.ray_image, self.plan.seed);
@@ -210,12 +213,8 @@ impl Studio<'_> {
         asked(&rays, &answers).verdicts(name, &hits)
     }
 
-    /// An image beside the reference: what it is like, itself, its error as a picture and by pixel.
-    fn beside(
-        &self,
-        reference: &Reference,
-        paths: &Paths,
-    ) -> Result<(ImageRow, Image8, Image8, Vec<[f32; 3]>), RunError> {
+    /// An image beside the reference.
+    fn beside(&self, reference: &Reference, paths: &Paths) -> Result<Beside, RunError> {
         let (effect, truth) = (reference.effect, &reference.image);
         let image = paths.image().developed(reference.exposure);
         let like = likeness(effect, truth, &image).map_err(failed)?;
