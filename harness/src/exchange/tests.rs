@@ -12,7 +12,7 @@ use crate::files::OutputFolder;
 use crate::measure::records;
 use crate::progress::Progress;
 use crate::rays::primary_rays;
-use crate::truth::{Answer, Cache, Truth};
+use crate::truth::{Answer, Cache, Ray64, Truth};
 use crate::viewpoint::Pose;
 
 /// Proves that every scene of the catalogue, at two sizes, is read back from its .glb as the same arrays with the same hash; one whose
@@ -48,10 +48,15 @@ impl Written {
         let truth = Truth::new(&geometry, &scene.sha256);
         let viewpoint = Pose::from(&scene.cameras[0]).viewpoint(&geometry, [64, 64], 64);
         let mut rays = primary_rays(&viewpoint, [12, 8]);
-        // One through a vertex, which is ambiguous.
-        let [x, y, z] = scene.mesh.positions[0];
-        let to = glam::Vec3::new(x, y, z) - viewpoint.eye;
-        rays[0].direction = to.normalize().into();
+        // One past an edge, which is ambiguous.
+        let towards = |[x, y, z]: &[f32; 3]| {
+            let direction = (glam::Vec3::new(*x, *y, *z) - viewpoint.eye).normalize().into();
+            Ray { direction, ..rays[0] }
+        };
+        let is_ambiguous = |ray: &Ray| truth.answer_one(&Ray64::from(ray), query).is_ambiguous();
+        if let Some(ray) = scene.mesh.positions.iter().map(towards).find(is_ambiguous) {
+            rays[0] = ray;
+        }
         let shared = Arc::new(rays.clone());
         let answers = truth.answer(&shared, query, &Cache::none(), &Progress::new(true)).unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -118,7 +123,8 @@ fn sets_come_back_and_changes_are_noticed() {
         changed[last - 3] ^= 1;
         fs::write(&path, &changed).unwrap();
         let outcome = read(&written.set()).and_then(|set| read_truth(&written.set(), &set.manifest)).map(drop);
-        assert!(refusal(outcome).contains("_sha256` "), "{name}");
+        let found = refusal(outcome);
+        assert!(found.contains("_sha256` ") || found.contains("t_max.npy: must be from"), "{name}: {found}");
         fs::write(&path, &changed[..last]).unwrap();
         let outcome = read(&written.set()).and_then(|set| read_truth(&written.set(), &set.manifest)).map(drop);
         assert!(refusal(outcome).contains(&format!("{name}.npy: ")), "{name}");
@@ -155,14 +161,14 @@ fn arrays_are_read_in_every_form_and_hostile_ones_are_refused() {
     assert!(refusal(npy::read::<f64>(&path, None, 3)).contains("has shape [2] and must have [3]"));
     assert!(refusal(npy::read::<f32>(&path, None, 2)).contains("must be one of '<f4'"));
     assert!(refusal(npy::read::<f64>(&path, Some(2), 1)).contains("must have [1, 2]"));
-    let nested = format!("{}{}", "(".repeat(500), ")".repeat(500));
+    let nested = format!("{}{}", "(".repeat(400), ")".repeat(400));
     for (text, wrong) in [
         (header("|O", "False", "(1,)"), "holds pickled objects"),
         (header("<f4", "False", "(1000000000000,)"), "has shape [1000000000000]"),
         (header("<f4", "False", "(4611686018427387904, 3)"), "of more than any file has"),
         (header("<f4", "False", "(-1,)"), "is no .npy file that can be read"),
         (header("<f4", "False", &nested), "a type with fields"),
-        ("[('a', '<f4')]".to_owned(), "a type with fields"),
+        (header("<f4", "False", "(1,)").replace("'<f4'", "[('a', '<f4')]"), "a type with fields"),
         ("x".repeat(2000), "at most 1024 bytes"),
         (String::new(), "is no .npy file that can be read"),
     ] {
@@ -236,7 +242,7 @@ fn answers_are_read_and_wrong_ones_refused_by_field() {
     twice[7] = 96;
     assert!(refused("index.npy", npy::write(None, &twice)).contains("is to ray 96 of 96"));
     assert!(refused("rays_sha256", b"0000".to_vec()).contains("answers to other rays"));
-    for times in [r#"{"trace_ms": -1}"#, r#"{"trace_ms": "1"}"#, r#"{"speed": 1}"#, "[]", r#"{"trace_ms": 1e300}"#] {
+    for times in [r#"{"trace_ms": -1}"#, r#"{"trace_ms": "1"}"#, r#"{"speed": 1}"#, "7", r#"{"trace_ms": 1e300}"#] {
         refused("times.json", times.into());
     }
     for (field, value) in [
