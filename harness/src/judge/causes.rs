@@ -49,6 +49,12 @@ pub const SLIPPED_THROUGH: &str = "slipped_through";
 /// The ray goes through an edge or a vertex that triangles share, to rounding: each triangle's test may leave it to the other. Of methods
 /// that hold the scene itself.
 pub const SHARED_EDGE: &str = "shared_edge";
+/// The ray lies in the plane of the triangle that is answered or truly hit, to rounding: it meets that anywhere or not at all. Of methods that
+/// hold the scene itself.
+pub const EDGE_ON: &str = "edge_on";
+/// The sine of the angle with a plane in which rays lie, at most, and their distance from it, in scene diagonals.
+const EDGE_ON_SINE: f64 = 1e-5;
+const EDGE_ON_DIAGONALS: f64 = 1e-6;
 /// The tracer's step limit.
 pub const STEP_CAP: &str = "step_cap";
 /// As `SLIPPED_THROUGH`, where the tracer says that it passed behind a surface by more than its thickness.
@@ -76,11 +82,25 @@ impl Judge<'_> {
         if let Some(voxels) = voxels {
             return self.cause_by_voxels(voxels, &ray, index, hit, class);
         }
-        match (class, self.truth_for(index, hit)) {
+        let cause = match (class, self.truth_for(index, hit)) {
             (Class::FalseMiss | Class::Late, Some(truth)) if self.marches() => self.loss_by_march(index, truth, hit),
             (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
             _ => self.cause_of_invention(index, &ray, hit),
-        }
+        };
+        let is_open = cause == UNEXPLAINED && self.samplings.is_empty();
+        if is_open && self.is_edge_on(index, &ray, hit) { EDGE_ON } else { cause }
+    }
+
+    /// Whether a ray lies in the plane of the triangle that is answered or of the one that is truly hit.
+    fn is_edge_on(&self, index: usize, ray: &Ray64, hit: &Hit) -> bool {
+        let answered = hit.is_hit().then(|| TrueHit { t: f64::from(hit.t), primitive: hit.primitive });
+        let known = |hit: &TrueHit| (hit.primitive as usize) < self.truth.geometry().triangles.len();
+        let mut found = self.truth_for(index, hit).into_iter().chain(answered).filter(known);
+        found.any(|TrueHit { t, primitive }| {
+            let (normal, corner) = (self.truth.normal(primitive), self.truth.geometry().corners(primitive)[0]);
+            let off = (ray.at(t) - corner.as_dvec3()).dot(normal).abs();
+            normal.dot(ray.direction).abs() <= EDGE_ON_SINE && off <= EDGE_ON_DIAGONALS * self.truth.diagonal()
+        })
     }
 
     /// Whether a ray has denormal numbers, and an answer is right of the one in which they are 0.

@@ -15,6 +15,18 @@ fn cause_flushed_denormals() {
     assert_ne!(case.cause("tight", &[hit(1.0)]), "flushed_denormals");
 }
 
+/// A ray in the plane of the plate that is answered is told apart; one a little beside the plane, or with another angle, is not.
+#[test]
+fn cause_edge_on() {
+    let cause = |z: f32, tilt: f32| {
+        let direction = Vec3::new(1.0, 0.0, tilt).normalize();
+        let case = Case::new(framed(plate()), vec![ray([-3.0, 0.3, z], direction.into())], Query::Closest);
+        case.cause("tight", &[hit(2.5)])
+    };
+    assert_eq!(cause(0.0, 0.0), "edge_on");
+    assert_eq!([cause(1e-3, 0.0), cause(-1e-2, 1e-3)], ["unexplained"; 2]);
+}
+
 /// A view from z = 2 down onto the plane z = 0, of 64 x 64 pixels and 90 degrees: it shows |x|, |y| < 2 there, a pixel
 /// is 1/16 wide.
 fn view() -> View {
