@@ -30,7 +30,7 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
     let read = |path: &PathBuf| Ok((path.display().to_string(), report::read_run(path)?));
     let shards = arguments.shards.iter().map(read).collect::<Result<Vec<_>, CliError>>()?;
     let whole = merge(shards).map_err(|error| CliError::Other(error.to_string()))?;
-    if whole.rows.is_empty() {
+    if whole.rows.is_empty() && whole.frames.as_ref().is_none_or(|frames| frames.rows.is_empty()) {
         return Err(CliError::Other("nothing was measured in any shard".to_owned()));
     }
     let folder = OutputFolder::open(&arguments.out)?;

@@ -142,3 +142,44 @@ fn frames_are_those_of_runs() {
         assert!(hits(0) != hits(1) && hits(1) != hits(2));
     }
 }
+
+/// Proves that shards of scenes are joined, with their places; that a complete record is left as it is; and that a scene which does not
+/// move is left out beside one that does.
+#[test]
+fn frames_are_spread_and_joined() {
+    let bench = Bench::new();
+    let words = [
+        "--scene",
+        "cloth,room,foliage",
+        "--tracer",
+        "bvh-cpu",
+        "--rays",
+        "primary",
+        "--move",
+        "geometry",
+        "--frames",
+        "2",
+    ];
+    for shard in ["1/3", "2/3", "3/3"] {
+        let out = format!("out{}", &shard[..1]);
+        let outcome = bench.call(&[&SMALL[..], &words, &["--shard", shard, "--out", &out]].concat());
+        assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    }
+    let merged = bench.call(&["--quiet", "merge", "out1", "out2", "out3", "--out", "whole"]);
+    assert_eq!(merged.status, 0, "{merged:?}");
+    let whole = bench.call(&[&SMALL[..], &words, &["--out", "out"]].concat());
+    assert_eq!(whole.status, 0, "{whole:?}");
+    let told = |out: &str| {
+        let found = bench.result(out);
+        let rows = found["frames"]["rows"].as_array().unwrap().iter();
+        let hits = |row: &Value| row["frames"][1]["works"]["primary"]["waves"][0]["answers"]["hits_sha256"].clone();
+        let rows: Vec<_> = rows.map(|row| (row["scene"].clone(), row["tracer"]["name"].clone(), hits(row))).collect();
+        (rows, found["skipped"].clone())
+    };
+    assert_eq!(told("whole"), told("out"));
+    assert!(told("out").1[0]["reason"].as_str().unwrap().contains("room has no animation"));
+    let before = std::fs::read(bench.path("out/run.json")).unwrap();
+    let again = bench.call(&[&SMALL[..], &words, &["--out", "out", "--resume"]].concat());
+    assert!(again.status == 0 && again.stderr.contains("is complete"), "{again:?}");
+    assert!(std::fs::read(bench.path("out/run.json")).unwrap() == before);
+}

@@ -185,6 +185,10 @@ pub fn execute(plan: &Plan, request: &FramesRequest, context: &Context<'_>) -> R
                     record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason });
                     continue;
                 }
+                Err(RunError::Nothing(reason)) => {
+                    record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason });
+                    continue;
+                }
                 measured => measured?,
             };
         add(&mut record, &mut section, measured);
