@@ -5,17 +5,42 @@ use std::sync::LazyLock;
 use tracebench_api::{Preset, Tracer, TracerDescription, TracerError};
 use tracebench_hybrid::{Hybrid, Part as Described, description};
 
+use super::expectation::{fails, few, of_plates_along_rows};
 use super::{
-    Device, Family, Part, Parts, Registration, bvh_gpu, dirt, fragment_abuffer, height_field, mesh_warp, ploc_gpu,
-    quadtree, ray_query, screen_dda, voxel_abuffer, voxel_octree,
+    Column, Device, Expectation, Family, Part, Parts, Registration, Rule, bvh_gpu, dirt, fragment_abuffer,
+    height_field, mesh_warp, ploc_gpu, quadtree, ray_query, screen_dda, voxel_abuffer, voxel_octree,
 };
 
 pub(crate) const REGISTRATION: Registration = Registration {
     parts: Some(Parts { of: DEFAULT, names: &["first", "then"], find, describe, create }),
+    expectations: &[EXPECTATIONS],
     forms: &[&[("first", "quadtree:improved")]],
     excluded_from_fronts: &["dispatch"],
     ..Registration::sampled(|| describe(&DEFAULT), Family::Image, |device| create(&DEFAULT, device))
 };
+
+const FIRST: &str = "where the first finds nothing the second is exact; hits of the first are kept, right or wrong";
+const FIRST_SOURCE: &str =
+    "AMD, Hybrid Reflections sample (GPUOpen): what the march hits is not asked of the scene again";
+const FEW: Expectation = few(Rule::Footprint, FIRST);
+
+const EXPECTATIONS: Column = &[
+    (
+        "edge-on leaves voxel-stack plane-through-eye before-near cube-borders coarse-frame surface-starts crowded-pixel behind-foreground \
+         half-resolution",
+        fails(Rule::Footprint, FIRST, FIRST_SOURCE),
+    ),
+    ("wide-frame", of_plates_along_rows(&FEW)),
+    (
+        "wires close-sheets open-mesh huge-triangle needles coplanar-copies eye-inside-object eye-on-surface eye-at-vertex depth-range \
+         secondary-depth-ratio cell-borders face-cell-borders through-view-centre flat-tile equal-triangles stacked-layers",
+        FEW,
+    ),
+    (
+        "thin-walls long-scene towards-camera foreground-in-cell long-rays away-from-camera field-of-view off-origin",
+        FEW,
+    ),
+];
 
 /// A march in screen space, and where it found nothing the scene itself.
 const DEFAULT: [Part; 2] = [
