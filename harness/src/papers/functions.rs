@@ -211,7 +211,7 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     }),
     ("ms", |_, of| if let Value::Time(time) = of.0.first()? { time.host_ms().map(Value::from) } else { None }),
     // Medians by the record's own clock: of a trace or else the build, and of phases of the build.
-    ("median_ms", |_, of| {
+    ("median_time", |_, of| {
         let row = of.row(0)?;
         let times = match of.text(1) {
             Some(rays) => &trace(row, &rays)?.times,

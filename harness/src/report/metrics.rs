@@ -159,8 +159,8 @@ pub(crate) fn right_of(trace: &TraceRecord) -> Vec<Accuracy> {
 
 /// Whether anything could be judged: no speed stands without its accuracy.
 pub(crate) fn judged(trace: &TraceRecord) -> bool {
-    // Rays without an eye have no footprint.
-    right_of(trace).iter().any(|accuracy| accuracy.share.is_some())
+    // Rays without an eye have no footprint, the last of three rules.
+    right_of(trace).iter().take(2).all(|accuracy| accuracy.share.is_some())
 }
 
 /// The verdict, if it is one on a closest-hit set.

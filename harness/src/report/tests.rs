@@ -577,10 +577,10 @@ fn calibration_follows_from_counts() {
     let cells = |start: &str| line(start).split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let first_word = |cell: &String| cell.split(' ').next().unwrap_or_default().to_owned();
     let status = cells("| whole | miss | 60 |");
-    assert_eq!(first_word(&status[5]), "16.7", "{status:?}");
+    assert_eq!(first_word(&status[5]), "16.67", "{status:?}");
     // Wrong are 20, 50 and 40 rays, right 80, 10 and none.
     let trusts: Vec<String> = cells("| whole | tight | 110 |").iter().skip(3).map(first_word).collect();
-    assert_eq!(trusts[..6], ["110", "81.8", "36.4", "90", "11.1", "0"], "{trusts:?}");
+    assert_eq!(trusts[..6], ["110", "81.82", "36.36", "90", "11.11", "0"], "{trusts:?}");
     let cost = summary.lines().rfind(|line| line.starts_with("| whole ") && line.contains("then: search")).unwrap();
     let ends: Vec<f64> =
         cost.trim_end_matches(" |").rsplit('|').take(2).map(|cell| cell.trim().parse().unwrap()).collect();

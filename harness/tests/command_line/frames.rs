@@ -136,7 +136,11 @@ fn frames_are_those_of_runs() {
             for (name, counter) in trace["counters"].as_object().unwrap() {
                 assert_eq!(answers["counters"][name], counter["total"], "{tracer}, {name}");
             }
-            assert_eq!(own["structure_bytes"], row["memory"]["structure_bytes"], "{tracer}, frame {frame}");
+            // Drivers pad textures as they come to lie.
+            let [bytes, of_run] =
+                [&own["structure_bytes"], &row["memory"]["structure_bytes"]].map(|bytes| bytes.as_u64().unwrap());
+            let padding = if tracer == "bvh-cpu" { 0 } else { 64 };
+            assert!(bytes.abs_diff(of_run) <= padding, "{tracer}, frame {frame}: {bytes} {of_run}");
         }
         let hits = |frame: usize| &series["frames"][frame]["works"]["diffuse"]["waves"][0]["answers"]["hits_sha256"];
         assert!(hits(0) != hits(1) && hits(1) != hits(2));

@@ -203,9 +203,10 @@ fn planted_faults_are_found_and_made_small() {
         assert!(small.command.contains("--rays file:attack/room_") && small.command.contains(&worst.view));
     }
     assert_eq!((sound.found[0].wrong, &sound.shrunk), (0, &None));
-    // What is wrong along x is there wherever one looks; a single triangle must be looked for.
-    let share = |search: &SearchRecord| search.found[0].wrong as f64 / search.found[0].judged as f64;
-    assert!(share(lost) > 0.01 && share(far) > 0.1, "{} {}", share(lost), share(far));
+    // What is wrong along x is there wherever one looks; of a single triangle the worst pose sees no less than the others.
+    let share = |pose: &PoseRecord| pose.wrong as f64 / pose.judged as f64;
+    let worst = |search: &SearchRecord| share(&search.found[0]);
+    assert!(worst(far) > 0.1 && worst(lost) >= share(&lost.random), "{} {}", worst(far), worst(lost));
     let text = serde_json::to_vec(&record).unwrap();
     assert_eq!(Record::read(&text).unwrap(), record);
 }
