@@ -282,7 +282,6 @@ fn wrong_papers() {
     let bench = bench();
     for (arguments, parts) in [
         (vec!["table", "dirt-table9"], vec!["dirt-table9", "did you mean 'dirt-table"]),
-        (vec!["table", "dirt-table1", "--frames", "4"], vec!["--frames", "not over frames"]),
         (vec!["table", "dirt-table1", "--set", "bvh-cpu.build=fast"], vec!["not in"]),
         (vec!["table", "dirt-table1", "--set", "dirt.tile_size=3"], vec!["1, 2, 4, 8"]),
         (vec!["table", "dirt-table1", "--set", "rays.visibility_target=up"], vec!["outside"]),

@@ -16,7 +16,7 @@ fn a_matrix_and_its_files() {
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(
-            "All as expected.\n| case | bvh-cpu | bvh-gpu | ploc-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field | mesh-warp |\n"
+            "All as expected.\n| case | bvh-cpu | bvh-gpu | ploc-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field | mesh-warp | hybrid |\n"
         ),
         "{}",
         outcome.stdout

@@ -85,6 +85,7 @@ const NOT_TOLD: &[(&str, &str, &[&str], &str)] = &[
             "fragment-abuffer:improved",
             "height-field",
             "height-field:improved",
+            "hybrid",
             "quadtree:improved",
             "screen-dda",
             "screen-dda:improved",
