@@ -168,6 +168,7 @@ fn entry_points_exist() {
             ("bvh/radix_tree.wgsl", _) => compute(&["raise", "link"], 64),
             ("bvh/leaves.wgsl", _) => compute(&["encode", "place", "fill"], 64),
             ("bvh/ray_query.wgsl", _) => compute(&["trace", "trace_counted", "find_own_triangle"], 64),
+            ("hybrid/handover.wgsl", _) => compute(&["mark", "choose", "join"], 64),
             ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
             ("shared/radix_sort.wgsl", _) => compute(&["count", "scatter"], 32),
             ("shared/depth_pyramid.wgsl", _) => compute(&["reduce"], 64),
