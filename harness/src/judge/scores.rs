@@ -68,8 +68,11 @@ impl Judge<'_> {
     fn by_status(&self, hits: &[Hit]) -> BTreeMap<String, StatusCounts> {
         let is_any = self.query == Query::Any;
         let rules: &[Rule] = if is_any { &[Rule::HitMiss] } else { &Rule::ALL };
-        let rights = |index: usize| rules.iter().map(move |rule| self.class(*rule, index, &hits[index]).is_right());
-        let found: Vec<Vec<bool>> = self.judged().map(|index| rights(index).collect()).collect();
+        let rights = |index: usize| {
+            let right = |rule| self.class(rule, index, &hits[index]).is_right();
+            if is_any { [right(Rule::HitMiss); 3] } else { Rule::ALL.map(right) }
+        };
+        let found: Vec<[bool; 3]> = self.judged().map(rights).collect();
         let mut counts = vec![(0, vec![0; rules.len()]); Status::ALL.len()];
         for (index, rights) in self.judged().collect::<Vec<_>>().into_iter().zip(found) {
             let (rays, right) = &mut counts[hits[index].status as usize];

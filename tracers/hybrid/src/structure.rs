@@ -101,7 +101,7 @@ impl HybridStructure {
 }
 
 impl Structure for HybridStructure {
-    /// The second goes first: a refit may be refused, and then nothing has changed.
+    /// The second goes first: a refit may be refused, and then nothing has changed. Where the first has no room the second has followed.
     fn update(
         &mut self,
         update: Update,
