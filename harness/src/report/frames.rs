@@ -432,7 +432,7 @@ fn every_frame(section: &FramesRecord) -> Table {
                 .map_or_else(String::new, |work| work.waves.iter().filter_map(told).collect::<Vec<_>>().join(" "))
         })
         .csv_column(super::metrics::STRUCTURE.name, |frame| row(frame).structure_bytes)
-        .csv_column("build_peak_bytes", |frame| row(frame).build_peak_bytes)
+        .csv_column(super::metrics::BUILD_PEAK.name, |frame| row(frame).build_peak_bytes)
         .csv_column("sah_cost", |frame| row(frame).sah_cost)
         .csv_column("judged_first_wave", move |frame| first(frame, |wave| wave.judged))
         .csv_column("hit_miss_first_wave", move |frame| first(frame, |wave| wave.right[0]))
