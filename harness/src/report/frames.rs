@@ -267,7 +267,7 @@ fn overall(all: &[Shown<'_>]) -> Table {
         .column("clock", |shown| shown.series.clock.map_or("", format::clock).to_owned())
         .column("frame (ms) ↓", |shown| spread(&shown.ms(), 3))
         .column("jitter ↓", |shown| Cell::number(jitter(&shown.ms()), 3))
-        .column("first build (ms) ↓", |shown| {
+        .column(super::metrics::FIRST_BUILD.heading(), |shown| {
             Cell::number(shown.series.frames.first().and_then(|row| row.update_ms), 3)
         })
         .column("structure, begin / end / most, peak of builds (MiB) ↓", |shown| bytes(shown.series))
