@@ -27,6 +27,8 @@ const PLOT_HEIGHT: f64 = 300.0;
 const ON_FRONT: f64 = 4.5;
 const HOLLOW: f64 = 5.0;
 const FAINT: f64 = 2.8;
+/// Of a tracer's best point behind the front.
+const BEST: f64 = 3.8;
 /// How much of a faint colour is white.
 const WHITENED: f64 = 0.55;
 /// Size of the names beside points.
@@ -63,6 +65,8 @@ struct Mark {
     y: f64,
     at_bound: bool,
     front_status: FrontStatus,
+    /// Whether no point of its tracer is wrong less often, nor as often and cheaper.
+    is_best: bool,
     name: String,
     cost: f64,
 }
@@ -142,7 +146,7 @@ impl FrontFigure {
         let key = vec![
             Line::new(Sample::Filled(PLAIN), "on the front of all tracers"),
             Line::new(Sample::Hollow(PLAIN), "within noise of it"),
-            Line::new(Sample::Filled(faint(PLAIN)), "behind"),
+            Line::new(Sample::Filled(faint(PLAIN)), "behind; at full strength and named: the tracer's least wrong"),
             Line::new(Sample::Filled(Style { shape: Shape::Polygon(4, 0), ..PLAIN }), "improved preset"),
             Line::new(Sample::Dashes, "control"),
             Line::new(Sample::Bars, "95 % interval of the error, order-statistic interval of the time"),
@@ -183,13 +187,18 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
             y: spot.error,
             at_bound: wrong.at_bound(),
             front_status,
+            is_best: false,
             name: entry.point.config(),
             cost: spot.cost,
         })
     };
-    let marks: Vec<Mark> = field.front_statuses(&asked.entries, asked.cost, by).into_iter().filter_map(mark).collect();
+    let mut marks: Vec<Mark> = field.front_statuses(&asked.entries, asked.cost, by).into_iter().filter_map(mark).collect();
     let mut own = Vec::new();
     for tracer in field.tracers() {
+        let better = |a: &&mut Mark, b: &&mut Mark| a.y.total_cmp(&b.y).then(a.cost.total_cmp(&b.cost));
+        if let Some(best) = marks.iter_mut().filter(|mark| mark.tracer == tracer).min_by(better) {
+            best.is_best = true;
+        }
         let entries: Vec<Entry<'a>> =
             asked.entries.iter().copied().filter(|entry| entry.point.tracer == tracer).collect();
         let Some(first) = entries.first() else { continue };
@@ -253,7 +262,7 @@ impl Panel {
     /// The marks as they are drawn: what is behind lies below what is on the front.
     fn in_order(&self) -> Vec<&Mark> {
         let mut order: Vec<&Mark> = self.marks.iter().collect();
-        order.sort_by_key(|mark| std::cmp::Reverse(mark.front_status));
+        order.sort_by_key(|mark| (std::cmp::Reverse(mark.front_status), mark.is_best));
         order
     }
 }
@@ -326,6 +335,7 @@ impl FrontFigure {
         match mark.front_status {
             FrontStatus::OnFront => canvas.filled_marker(place, ON_FRONT, mark.style),
             FrontStatus::WithinNoise => canvas.hollow_marker(place, HOLLOW, mark.style),
+            FrontStatus::Behind if mark.is_best => canvas.filled_marker(place, BEST, mark.style),
             FrontStatus::Behind => canvas.filled_marker(place, FAINT, faint(mark.style)),
         }
     }

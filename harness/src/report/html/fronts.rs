@@ -185,6 +185,7 @@ fn mark(id: &str, point: &PointMark, said: &str, first: bool, beaten: Option<&Ve
         FrontStatus::WithinNoise => "noise",
         FrontStatus::Behind => "behind",
     };
+    let best = if point.is_best { " best" } else { "" };
     let tags = Tags { tracer: Some(&point.tracer), ..Tags::default() }.text();
     let near: Vec<String> = beaten.into_iter().flatten().map(usize::to_string).collect();
     let near = if near.is_empty() { String::new() } else { format!(" data-near=\"{}\"", near.join(" ")) };
@@ -196,7 +197,7 @@ fn mark(id: &str, point: &PointMark, said: &str, first: bool, beaten: Option<&Ve
     };
     let arrow = point.arrow.as_ref().map_or_else(String::new, |path| format!("<path class=\"arrow\" d=\"{path}\"/>"));
     format!(
-        "<g class=\"mark {front_status}\"{tags} data-point=\"{id}\" data-index=\"{}\" data-cost=\"{cost}\" data-error=\"{error}\"{near} \
+        "<g class=\"mark {front_status}{best}\"{tags} data-point=\"{id}\" data-index=\"{}\" data-cost=\"{cost}\" data-error=\"{error}\"{near} \
          tabindex=\"{}\" role=\"img\" aria-label=\"{}\" color=\"{}\" transform=\"translate({left:.2} {top:.2})\">\
          <path class=\"bars\" d=\"{}\"/>{arrow}{dot}</g>\n",
         point.index,

@@ -58,6 +58,8 @@ pub(in crate::report) struct PointMark {
     pub arrow: Option<String>,
     /// How it stands.
     pub front_status: FrontStatus,
+    /// Whether it is its tracer's best.
+    pub is_best: bool,
     /// What it costs as people read it.
     pub read: Amount,
     /// By how much points are distinguished: what it costs, and its error.
@@ -120,6 +122,7 @@ impl FrontFigure {
                 bars,
                 arrow: mark.at_bound.then(arrow),
                 front_status: mark.front_status,
+                is_best: mark.is_best,
                 read: mark.x,
                 spot: [mark.cost, mark.y],
                 name: named.map(|name| (mark.name.clone(), name.place)),

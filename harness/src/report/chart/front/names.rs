@@ -34,7 +34,8 @@ fn meet(one: &[f64; 4], other: &[f64; 4]) -> bool {
 }
 
 impl FrontFigure {
-    /// The names of points on the front, each where it meets no other; of neighbours of the same name one.
+    /// The names of points on the front, of neighbours of the same name one, and of every other tracer's best; each where it meets no
+    /// other.
     pub(super) fn names<'a>(&self, panel: &'a Panel, rect: Rect) -> Vec<Name<'a>> {
         let [x, y] = panel.ground.axes(rect);
         // Names keep off the line of the front and those of controls.
@@ -43,15 +44,19 @@ impl FrontFigure {
         let controls = panel.ground.controls.iter().flat_map(|(_, places)| places);
         let heights = controls.map(|(_, share)| y.at(*share));
         lines.extend(heights.map(|height| box_round((rect.left, height), (rect.right, height))));
-        let mut on: Vec<&Mark> = panel.marks.iter().filter(|mark| mark.front_status == FrontStatus::OnFront).collect();
+        let (mut on, behind): (Vec<&Mark>, Vec<&Mark>) =
+            panel.marks.iter().partition(|mark| mark.front_status == FrontStatus::OnFront);
         on.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(b.y.total_cmp(&a.y)));
         on.dedup_by(|next, before| next.name == before.name);
+        let is_named: Vec<&str> = on.iter().map(|mark| mark.tracer.as_str()).collect();
+        let best = behind.into_iter().filter(|mark| mark.is_best && !is_named.contains(&mark.tracer.as_str()));
+        let all: Vec<&Mark> = on.iter().copied().chain(best).collect();
         let mut taken: Vec<[f64; 4]> = Vec::new();
         let place = |mark: &Mark| mark.place([&x, &y]);
         let mut names = Vec::new();
         let marks = panel.marks.iter().map(|mark| box_of(place(mark), mark));
         let drawn: Vec<[f64; 4]> = marks.chain(lines).collect();
-        for mark in on {
+        for mark in all {
             let (left, top) = place(mark);
             let width = text_width(&mark.name, NAME_SIZE);
             let covers = |(begin, middle): &(f64, f64)| {
@@ -78,6 +83,13 @@ impl FrontFigure {
                 (left + 8.0, top + 22.0),
                 (left - 8.0 - width, top + 22.0),
                 (left - width / 2.0, top + 34.0),
+                (left - width / 2.0, top - 30.0),
+                (left + 16.0, top),
+                (left - 16.0 - width, top),
+                (left + 8.0, top + 36.0),
+                (left - 8.0 - width, top + 36.0),
+                (left + 8.0, top - 36.0),
+                (left - 8.0 - width, top - 36.0),
             ];
             // One that finds no room is told by its colour and form.
             let found = corners.iter().copied().find(clear).or_else(|| corners.iter().copied().find(free));
