@@ -108,10 +108,11 @@ fn table_before(text: &str) -> usize {
 }
 
 /// A table of a record's page: `PAGE#HEADING|COLUMN|... of TRACER,...` with the columns whose headings begin so and the rows of these
-/// tracers. Names those that an older version measured.
+/// tracers. Names those that an older version measured. `brief PAGE#...` leaves out intervals and who was compared with.
 fn table(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
     let (stated, tracers) = stated.rsplit_once(" of ").ok_or("there is no ' of TRACER'")?;
     let (place, wanted) = stated.split_once('|').ok_or("there is no |COLUMN")?;
+    let (is_brief, place) = place.strip_prefix("brief ").map_or((false, place), |place| (true, place));
     let (page, heading) = place.split_once('#').ok_or(format!("'{place}' is not PAGE#HEADING"))?;
     let text = std::fs::read_to_string(records.root.join(page)).map_err(|error| format!("{page}: {error}"))?;
     let mut lines = text.lines().skip_while(|line| line.trim_start_matches('#') != format!(" {heading}"));
@@ -134,10 +135,25 @@ fn table(stated: &str, records: &mut Records<'_>) -> Result<String, String> {
         let is_older = older.contains(row[0].split(':').next().unwrap_or_default());
         let marked = if is_older { " (measured by an older version)" } else { "" };
         let cell = |column: &usize| row.get(*column).map_or("", String::as_str);
-        let cells: Vec<&str> = columns.iter().map(cell).collect();
+        let told = |column: &usize| if is_brief { brief(cell(column)) } else { cell(column).to_owned() };
+        let cells: Vec<String> = columns.iter().map(told).collect();
         text += &format!("| {} |\n", cells.join(" | ").replacen(&row[0], &format!("{}{marked}", row[0]), 1));
     }
     Ok(text)
+}
+
+/// A cell without its intervals, `[a, b]`, and without those that were compared with, `× NAME`.
+fn brief(cell: &str) -> String {
+    let without = |text: String, begin: &str, ends: &[&str]| {
+        let mut pieces = text.split(begin);
+        let first = pieces.next().unwrap_or_default().to_owned();
+        pieces.fold(first, |told, piece| {
+            let end = ends.iter().filter_map(|end| piece.find(end)).min();
+            told + end.map_or("", |end| &piece[end..]).trim_start_matches(']')
+        })
+    };
+    let plain = without(cell.to_owned(), " [", &["]"]);
+    without(plain, " × ", &[" (", " to "])
 }
 
 /// The tracer of a row that another version has measured.
@@ -455,6 +471,19 @@ mod tests {
         ] {
             let error = figure(stated, &mut Records { root: folder.path(), read: BTreeMap::new() }).unwrap_err();
             assert!(error.contains(reason), "{error}");
+        }
+    }
+
+    /// Proves that brief cells have numbers and places alone.
+    #[test]
+    fn brief_cells_have_numbers_and_places() {
+        for (cell, told) in [
+            ("–", "–"),
+            ("13.07 (cloth) to 70.81 (foliage)", "13.07 (cloth) to 70.81 (foliage)"),
+            ("0.9 [0.7, 0.9] × a:b (cloth) to 1.2 [1.0, 1.3] (room) × c d=e f=g", "0.9 (cloth) to 1.2 (room)"),
+            ("1 [0.9, 1.1] undecided (hall) to 2 [1, 3] × a b=c", "1 undecided (hall) to 2"),
+        ] {
+            assert_eq!(brief(cell), told);
         }
     }
 
