@@ -1,6 +1,6 @@
 #!/bin/bash
 # Makes folders of results small enough to keep: records compressed (every verb reads them so), pictures as SVG alone, without
-# tables in CSV; of tables of papers without summaries and plain charts. `tracebench report DIR` makes what is left out again.
+# pages in HTML or tables in CSV; of tables of papers without summaries and plain charts. `tracebench report DIR` makes what is left out again.
 # Only what tracebench.sha256, the list of a folder, has as it is there is touched; a folder without a list is left alone.
 # results/pack.sh DIR...
 set -euo pipefail
@@ -21,7 +21,7 @@ find "$@" -name "$list" -type f -printf '%h\n' | while read -r folder; do (
     # Sorted, so that the list is not read while it is written.
     cut -d ' ' -f 3- "$list" | sort -u | while read -r name; do
         case $name in
-            *.png | *.csv) ;;
+            *.png | *.csv | report.html) ;;
             summary.md | error_vs_speed_*.svg | agreement_over_tolerance_*.svg) [ "$of_paper" ] || continue ;;
             run.json) ;;
             *) continue ;;

@@ -48,5 +48,6 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
     }
     let written = report::write_run(&whole, &folder, tables::of_run)?;
     report::take_pictures(&whole, &arguments.shards, &folder)?;
+    super::page::beside(&whole, &folder)?;
     print_written(&written)
 }

@@ -11,6 +11,9 @@ use crate::report::{self as reports, MAX_BYTES, Makers};
 use crate::results::Record;
 use crate::{papers, tables};
 
+/// The page of a record in the folder where that is.
+pub(super) const BESIDE: &str = "report.html";
+
 const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
 
 /// Writes one page of all records, with what is missing beside them.
@@ -44,13 +47,30 @@ pub(super) fn write(
         let by = by.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
         missing.push(format!("records of one version of the rules: these are of {by}, and are not to be compared"));
     }
-    let page = reports::html_page(&records, &missing, MAKERS, &command(file, paths), MAX_BYTES)?;
-    folder.write(name, page.html.as_bytes())?;
-    for what in &page.dropped {
+    for what in made(&records, &missing, &command(file, paths), (folder, name))? {
         progress.say(&format!("left out for want of room: {what}"));
     }
     progress.say(&file.display().to_string());
     Ok(())
+}
+
+/// Writes the page of a record that was just measured into its folder.
+pub(super) fn beside(record: &Record, folder: &OutputFolder) -> Result<(), CliError> {
+    let path = folder.path().to_owned();
+    let records = [(path.display().to_string(), record.clone())];
+    made(&records, &[], &command(&path.join(BESIDE), &[path]), (folder, BESIDE)).map(drop)
+}
+
+/// Writes a page, and gives what had no room.
+fn made(
+    records: &[(String, Record)],
+    missing: &[String],
+    command: &str,
+    (folder, name): (&OutputFolder, &str),
+) -> Result<Vec<String>, CliError> {
+    let page = reports::html_page(records, missing, MAKERS, command, MAX_BYTES)?;
+    folder.write(name, page.html.as_bytes())?;
+    Ok(page.dropped)
 }
 
 /// Whoever takes `--html` for a switch names a record there: it is not written over, nor is anything else that is no page.

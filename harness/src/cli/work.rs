@@ -253,6 +253,7 @@ impl<'a> Bench<'a> {
         say_skipped(&record.skipped, progress);
         record.provenance.plan_sha256 = Some(plan_sha256);
         report::write_run(&record, &self.out, tables::of_run)?;
+        super::page::beside(&record, &self.out)?;
         journal.finish();
         stop::keeps(None);
         Ok(record)

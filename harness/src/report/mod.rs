@@ -211,7 +211,7 @@ pub fn may_be_written(name: &str) -> bool {
     let begins = |begin: &str| name.strip_prefix(begin).is_some_and(|rest: &str| rest.starts_with(['.', '_']));
     let ends = [".md", ".csv", ".json", ".svg", ".png"].iter().any(|end| name.ends_with(end));
     ends && BEGINNINGS.split_whitespace().any(begins)
-        || [RUN_FILE, PACKED, PICTURES_FOLDER, "interleaved_sets"].contains(&name)
+        || [RUN_FILE, PACKED, PICTURES_FOLDER, "report.html", "interleaved_sets"].contains(&name)
 }
 
 /// Writes `run.json`, then what is derived from it; gives the paths in that order.

@@ -93,7 +93,7 @@ struct Reproduction {
 const FILE: &str = "reproduce.json";
 
 /// The one page of all that was measured.
-const ANSWER: &str = "report.html";
+const ANSWER: &str = html::BESIDE;
 
 /// Kept for the report, share of the time that is given, and at most.
 const REPORT_SHARE: f64 = 0.05;

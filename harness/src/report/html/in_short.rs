@@ -13,11 +13,7 @@ use itertools::Itertools as _;
 pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
     let mut html = String::new();
     for machine in 1..=machines.len() {
-        let mut own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
-        // Smoke runs count where there is nothing else.
-        if own.iter().any(|place| !is_smoke(&place.read.record)) {
-            own.retain(|place| !is_smoke(&place.read.record));
-        }
+        let own = cases_of(places, machine);
         if own.is_empty() {
             continue;
         }
@@ -48,7 +44,32 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
     html
 }
 
-/// which to choose for a ray set, in how many of its cases, which are scenes, or records of the same scene.
+/// The cases of a machine: smoke runs count where there is nothing else.
+pub(super) fn cases_of<'p, 'a>(places: &'p [Place<'a>], machine: usize) -> Vec<&'p Place<'a>> {
+    let mut own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
+    if own.iter().any(|place| !is_smoke(&place.read.record)) {
+        own.retain(|place| !is_smoke(&place.read.record));
+    }
+    own
+}
+
+/// Who is best for a need: of every tracer in how many cases, and in how many of these another may be as good; nobody comes last.
+pub(super) fn winners<'a>(cases: &[&Place<'a>], aim: Aim) -> Vec<(Option<&'a str>, usize, usize)> {
+    let mut won: Vec<(Option<&str>, usize, usize)> = Vec::new();
+    for place in cases {
+        let found = best(place.field, &place.field.entries, place.by, ASKED, aim);
+        let tracer = found.map(|found| found.point.tracer.as_str());
+        let noisy = usize::from(found.is_some_and(|found| is_within_noise(place, ASKED, aim, &found)));
+        match won.iter_mut().find(|(known, ..)| *known == tracer) {
+            Some((_, count, all_noisy)) => (*count, *all_noisy) = (*count + 1, *all_noisy + noisy),
+            None => won.push((tracer, 1, noisy)),
+        }
+    }
+    won.sort_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count)));
+    won
+}
+
+/// Which to choose for a ray set, in how many of its cases, which are scenes, or records of the same scene.
 fn said(cases: &[&Place<'_>]) -> String {
     let scenes: Vec<&str> = cases.iter().map(|place| place.field.scene.scene.name.as_str()).unique().collect();
     let where_to = match (scenes.as_slice(), cases.len()) {
@@ -63,18 +84,6 @@ fn said(cases: &[&Place<'_>]) -> String {
         (least, most) => format!(", of {least} to {most} tracers"),
     };
     let winners = Aim::ALL.map(|aim| {
-        // Of every tracer in how many cases, and in how many of these another may be as good.
-        let mut won: Vec<(Option<&str>, usize, usize)> = Vec::new();
-        for place in cases {
-            let found = best(place.field, &place.field.entries, place.by, ASKED, aim);
-            let tracer = found.map(|found| found.point.tracer.as_str());
-            let noisy = usize::from(found.is_some_and(|found| is_within_noise(place, ASKED, aim, &found)));
-            match won.iter_mut().find(|(known, ..)| *known == tracer) {
-                Some((_, count, all_noisy)) => (*count, *all_noisy) = (*count + 1, *all_noisy + noisy),
-                None => won.push((tracer, 1, noisy)),
-            }
-        }
-        won.sort_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count)));
         let each = |(tracer, count, noisy): &(Option<&str>, usize, usize)| {
             let name = tracer.map_or_else(|| "nobody".to_owned(), |name| format!("<strong>{}</strong>", escape(name)));
             match (cases.len(), *noisy) {
@@ -84,7 +93,7 @@ fn said(cases: &[&Place<'_>]) -> String {
                 (all, noisy) => format!("{name} (in {count} of {all}, {noisy} of them within noise)"),
             }
         };
-        format!("{} {}", aim.name(), won.iter().map(each).collect::<Vec<_>>().join(", "))
+        format!("{} {}", aim.name(), winners(cases, aim).iter().map(each).collect::<Vec<_>>().join(", "))
     });
     let unsure = cases.iter().filter(|place| !too_few(ASKED, place.field).is_empty()).count();
     let unsure = match (unsure, cases.len()) {

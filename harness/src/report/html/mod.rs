@@ -8,6 +8,7 @@ mod again;
 mod answer;
 mod budget;
 mod causes;
+mod first;
 mod fronts;
 mod in_short;
 mod pictures;
@@ -28,7 +29,7 @@ use super::verdict::{self, Verdict};
 use super::{ReportError, Section, Tables, summary};
 use crate::results::{ParetoRecord, Record};
 use crate::studies::pareto::{By, Field};
-use pieces::{Piece, Tags, escape, fit};
+use pieces::{Piece, Rank, Tags, escape, fit};
 use read::{Names, Read, Records};
 
 /// The most bytes of a page.
@@ -126,7 +127,9 @@ pub fn page(
         "Rules",
         vec![Piece::Fixed(fronts::details("How is measured and judged", "", &write::rules(RULES)))],
     );
-    let head = head(&names, &sections, &answer::section(&places, &all, &machines, &copies, &names));
+    let chart = sections.first_chart(first::hardest(&places).map(Place::title));
+    let first = first::screen(&places, &machines, &chart, &sections.titles);
+    let head = head(&names, &sections, &first, &answer::section(&places, &all, &machines, &copies, &names));
     let foot = foot(&again::section(command, &all));
     // What is left out is named once more below.
     let copies = same(&copies) + &listed("Not or not wholly measured", missing);
@@ -186,6 +189,19 @@ impl Sections {
         self.pieces.push(Piece::Fixed("</section>\n".to_owned()));
     }
 
+    /// Takes the chart out that stands on the first screen: the front of a place, or where there is none the first chart of all.
+    fn first_chart(&mut self, place: Option<String>) -> String {
+        let is_first = |piece: &Piece| match (piece, &place) {
+            (Piece::Heavy { what, rank: Rank::Front, .. }, Some(place)) => *what == format!("fronts of {place}"),
+            (Piece::Heavy { rank: Rank::Chart, .. }, None) => true,
+            _ => false,
+        };
+        let Some(at) = self.pieces.iter().position(is_first) else { return String::new() };
+        match self.pieces.remove(at) {
+            Piece::Heavy { html, .. } | Piece::Fixed(html) => html,
+        }
+    }
+
     fn finish(self, head: String, copies: &str, foot: &str, room: usize) -> Page {
         let (middle, dropped) = fit(&self.pieces, room);
         let mut left_out =
@@ -203,7 +219,7 @@ impl Sections {
     }
 }
 
-fn head(names: &Names, sections: &Sections, answer: &str) -> String {
+fn head(names: &Names, sections: &Sections, first: &str, answer: &str) -> String {
     let links: String =
         sections.titles.iter().map(|(id, title)| format!("<li><a href=\"#{id}\">{title}</a></li>")).collect();
     let choice = |what: &str, label: &str, all: &[String]| {
@@ -219,7 +235,7 @@ fn head(names: &Names, sections: &Sections, answer: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\"><title>tracebench: which tracer to take</title>\n<style>{STYLE}</style></head>\n\
-         <body><header><h1>Which tracer to take</h1></header>\n<nav aria-label=\"Sections\"><ul>{links}\
+         <body><header><h1>Which tracer to take</h1></header>\n{first}<nav aria-label=\"Sections\"><ul>{links}\
          <li><a href=\"#left-out\">Left out</a></li><li><a href=\"#again\">Make it again</a></li></ul></nav>\n\
          <form id=\"choice\" aria-label=\"What is shown\">{}{}{}<button type=\"reset\">Show all</button></form>\n<main>\n\
          <section id=\"answer\">{answer}</section>\n",

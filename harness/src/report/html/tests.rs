@@ -150,7 +150,7 @@ fn every_point_is_there_once() {
     }
     let figure = part(&html, "<figure data-scene=\"room\" data-rays=\"diffuse\"", "</figure>");
     let panel = part(figure, "<g class=\"panel\" role=\"group\" aria-label=\"speed", "<g class=\"panel\"");
-    let begin = "class=\"mark front\"";
+    let begin = "class=\"mark front";
     let index =
         |at: usize| part(&panel[at..], "data-index=\"", "\" data-cost")["data-index=\"".len()..].parse().unwrap();
     let mut on_front: Vec<usize> = panel.match_indices(begin).map(|(at, _)| index(at)).collect();
