@@ -28,6 +28,9 @@ struct Entry {
     command: String,
     /// How long it took; of one that was not measured by this tool what its interleaved sets took.
     minutes: f64,
+    /// Makes what it needs, such as a mesh by a script; a line of the shell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    before: Option<String>,
     /// By which versions of its tracers a re-run gave the same hits.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     answers: String,
@@ -259,9 +262,10 @@ fn measure(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
     if record(&scratch)?.is_some() {
         std::fs::remove_dir_all(&scratch).map_err(|error| error.to_string())?;
     }
+    prepare(root, entry)?;
     let (begun, others) = (Instant::now(), ticks_of_others());
     let words: Vec<&str> = entry.command.split(' ').collect();
-    let goes_on = !words.contains(&"--from") && words[0] != "doctor";
+    let goes_on = !words.contains(&"--from") && !["doctor", "judge"].contains(&words[0]);
     let more: &[&str] = if goes_on { &["--resume"] } else { &[] };
     let plan = || std::fs::read(scratch.join("interleaved_sets/plan.json")).ok();
     let begun_before = plan();
@@ -291,6 +295,7 @@ fn answer_again(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
     if scratch.exists() {
         std::fs::remove_dir_all(&scratch).map_err(|error| error.to_string())?;
     }
+    prepare(root, entry)?;
     let mut words: Vec<&str> = entry.command.split(' ').collect();
     if let Some(place) = words.iter().position(|word| *word == "--samples") {
         words.drain(place..place + 2);
@@ -303,6 +308,16 @@ fn answer_again(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
             Ok((entry.minutes, versions(&now)))
         }
         _ => Err("other answers than the record's: measure it anew".to_owned()),
+    }
+}
+
+/// Makes what a record needs.
+fn prepare(root: &Path, entry: &Entry) -> Result<(), String> {
+    let Some(before) = &entry.before else { return Ok(()) };
+    let ended = Command::new("sh").args(["-c", before]).current_dir(root).status();
+    match ended.map_err(|error| error.to_string())? {
+        ended if ended.success() => Ok(()),
+        ended => Err(format!("{before}: {ended}")),
     }
 }
 
