@@ -192,7 +192,8 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
             cost: spot.cost,
         })
     };
-    let mut marks: Vec<Mark> = field.front_statuses(&asked.entries, asked.cost, by).into_iter().filter_map(mark).collect();
+    let mut marks: Vec<Mark> =
+        field.front_statuses(&asked.entries, asked.cost, by).into_iter().filter_map(mark).collect();
     let mut own = Vec::new();
     for tracer in field.tracers() {
         let better = |a: &&mut Mark, b: &&mut Mark| a.y.total_cmp(&b.y).then(a.cost.total_cmp(&b.cost));

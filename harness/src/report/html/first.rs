@@ -4,11 +4,14 @@ use std::fmt::Write as _;
 
 use itertools::Itertools as _;
 
-use super::Place;
 use super::answer::ASKED;
 use super::in_short::{cases_of, winners};
 use super::pieces::escape;
+use super::read::Read;
+use super::write::inline;
+use super::{Place, told};
 use crate::report::pareto::page::asked;
+use crate::report::verdict::{self, Verdict};
 use crate::studies::pareto::{Aim, best};
 
 /// So many tracers are named in a sentence; what is left of the cases is counted.
@@ -17,6 +20,7 @@ const MAX_NAMED: usize = 3;
 /// Sentences, a chart with its figure, and links to what most readers look for next; `others` are sections with their titles.
 pub(super) fn screen(
     places: &[Place<'_>],
+    records: &[Read<'_>],
     machines: &[String],
     chart: &str,
     others: &[(&'static str, &'static str)],
@@ -27,6 +31,11 @@ pub(super) fn screen(
         if !cases.is_empty() {
             html += &sentences(&cases, (machines.len() > 1).then_some(machine));
         }
+    }
+    let told = records.iter().filter(|read| places.is_empty() && verdict::controls(&read.record) == Verdict::Sound);
+    let told: String = told.flat_map(|read| told::sentences(&read.record)).map(|told| item(&inline(&told))).collect();
+    if !told.is_empty() {
+        let _ = writeln!(html, "<ul>\n{told}</ul>");
     }
     let budget = (!places.is_empty()).then_some(("budget", "Within your budget"));
     let links = budget.into_iter().chain(others.iter().copied().filter(|(id, _)| *id != "rules"));
@@ -40,9 +49,8 @@ pub(super) fn screen(
 pub(super) fn hardest<'p, 'a>(places: &'p [Place<'a>]) -> Option<&'p Place<'a>> {
     places.iter().min_by_key(|place| {
         let tracers = place.field.tracers();
-        let enough = |tracer: &&&str| {
-            best(place.field, &place.field.of_tracer(tracer), place.by, ASKED, Aim::Fastest).is_some()
-        };
+        let enough =
+            |tracer: &&&str| best(place.field, &place.field.of_tracer(tracer), place.by, ASKED, Aim::Fastest).is_some();
         (tracers.iter().filter(enough).count(), std::cmp::Reverse(tracers.len()))
     })
 }
@@ -74,9 +82,13 @@ fn sentences(cases: &[&Place<'_>], machine: Option<usize>) -> String {
         let rest: usize = won.iter().skip(MAX_NAMED).map(|(_, won, _)| won).sum();
         let rest = if rest > 0 { format!(", others in {rest}") } else { String::new() };
         let named = won.iter().take(MAX_NAMED).map(one).join(", ");
-        let _ = writeln!(html, "<li>{} is {named}{rest}.</li>", capitalised(aim.name()));
+        html += &item(&format!("{} is {named}{rest}.", capitalised(aim.name())));
     }
     html + "</ul>\n"
+}
+
+fn item(html: &str) -> String {
+    format!("<li>{html}</li>\n")
 }
 
 fn capitalised(name: &str) -> String {

@@ -18,6 +18,7 @@ mod read;
 mod records;
 #[cfg(test)]
 mod tests;
+mod told;
 mod write;
 
 pub use again::quoted;
@@ -128,7 +129,7 @@ pub fn page(
         vec![Piece::Fixed(fronts::details("How is measured and judged", "", &write::rules(RULES)))],
     );
     let chart = sections.first_chart(first::hardest(&places).map(Place::title));
-    let first = first::screen(&places, &machines, &chart, &sections.titles);
+    let first = first::screen(&places, &all, &machines, &chart, &sections.titles);
     let head = head(&names, &sections, &first, &answer::section(&places, &all, &machines, &copies, &names));
     let foot = foot(&again::section(command, &all));
     // What is left out is named once more below.

@@ -127,6 +127,30 @@ fn a_page_needs_nothing_else() {
     );
 }
 
+/// Proves that the first screen has a sentence a need, one chart and three links that lead somewhere; that the chart is of the ray set that
+/// the fewest tracers answer well enough; and that a record of a study which is no front is told of in its own sentences, but not where a
+/// control fails.
+#[test]
+fn the_first_screen_answers() {
+    let first = |records: &[(&str, Record)]| {
+        let html = page_of(records, MAX_BYTES).html;
+        let first = part(&html, "<section id=\"first\"", "</section>").to_owned();
+        let links: Vec<&str> =
+            first.match_indices("href=\"#").map(|(at, _)| part(&first[at + 7..], "", "\"")).collect();
+        assert!(links.iter().all(|id| html.contains(&format!("id=\"{id}\""))), "{links:?}");
+        let count = links.len();
+        (first, count)
+    };
+    let (fronts, links) = first(&[("fronts", planted())]);
+    assert!(fronts.contains("<li>Fastest is <strong>fair</strong> in 2 of 2"), "{fronts}");
+    assert_eq!((fronts.matches("<li>").count(), fronts.matches("<svg ").count(), links), (3, 1, 3), "{fronts}");
+    let cases = || Record { cases: Some(CasesRecord { cases: Vec::new() }), ..fixture::typical() };
+    let (matrix, _) = first(&[("cases", cases())]);
+    assert!(matrix.contains("<li>0 of 0 cells fail more or less than expected"), "{matrix}");
+    let (invalid, _) = first(&[("cases", Record { controls: Vec::new(), ..cases() })]);
+    assert!(!invalid.contains("<li>"), "{invalid}");
+}
+
 /// Proves that every point is there once with its parameters, that every front of every chart has its points, as its page says, and that
 /// nothing points at a row that is not there.
 #[test]

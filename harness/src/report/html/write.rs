@@ -112,7 +112,7 @@ fn is_strong(cell: &str) -> bool {
 }
 
 /// Words with what is strong, emphasised or code in them; all else is text.
-fn inline(words: &str) -> String {
+pub(super) fn inline(words: &str) -> String {
     let mut html = String::new();
     let mut rest = words;
     while let Some(at) = rest.find(['*', '`', '\\', '&']) {
