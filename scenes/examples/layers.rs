@@ -4,7 +4,11 @@
 
 use std::error::Error;
 
-use tracebench_scenes::{LayerCount, catalogue, count_layers, procedural};
+use layers::{LayerCount, count_layers};
+use tracebench_scenes::{catalogue, procedural};
+
+#[path = "../tests/support/layers.rs"]
+mod layers;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut wanted, mut scale, mut view, mut time_s) = (None, 1.0, None, 0.0);

@@ -22,7 +22,7 @@ pub struct CatalogueEntry {
     pub triangles_at_scale_1: u64,
     /// Whether every ray from any of its cameras hits something.
     pub closed: bool,
-    /// Whether every surface is closed ([`Scene::is_watertight`]).
+    /// Whether every surface is closed, so that "inside" has a meaning.
     pub watertight: bool,
     /// Length of the animation in seconds; `None` for a scene that stands still.
     pub animation_s: Option<f64>,

@@ -15,14 +15,11 @@ mod catalogue;
 mod error;
 mod hash;
 mod import;
-mod layers;
 mod procedural;
 mod scene;
-mod watertight;
 
 pub use catalogue::{CatalogueEntry, SCALE_MAX, SCALE_MIN, catalogue, procedural};
 pub use error::SceneError;
 pub use hash::content_sha256;
-pub use import::{MAX_COORDINATE, MAX_TRIANGLES, MIN_DIAGONAL, SHARED_VERTICES, import, import_bytes, is_far, name_of};
-pub use layers::{LayerCount, Layers, count_layers};
+pub use import::{MAX_COORDINATE, MIN_DIAGONAL, SHARED_VERTICES, import, import_bytes, is_far, name_of};
 pub use scene::{Animation, Camera, CameraKey, CameraPath, ImportNotes, Material, Mesh, Origin, Scene};

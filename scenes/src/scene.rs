@@ -10,7 +10,6 @@ use serde::Serialize;
 use crate::error::SceneError;
 use crate::hash::content_sha256;
 use crate::import::{MIN_DIAGONAL, has_zero_area};
-use crate::watertight;
 
 /// The factors of a surface that a renderer of pictures and a maker of secondary rays look at.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -226,12 +225,6 @@ impl Scene {
             sum += extent * extent;
         }
         sum.sqrt()
-    }
-
-    /// Whether every surface is closed, so that "inside" has a meaning: each edge joins exactly two triangles (or, where
-    /// surfaces touch, as many in either direction), vertices at equal positions counted as one.
-    pub fn is_watertight(&self) -> bool {
-        watertight::is_watertight(&self.mesh)
     }
 
     /// Moves the scene to a time in seconds: positions, bounds and hash change, triangles do not. A scene without an

@@ -6,7 +6,9 @@ use crate::support;
 use std::collections::HashSet;
 
 use glam::DVec3;
+use support::layers::count_layers;
 use support::triangles;
+use support::watertight::is_watertight;
 use tracebench_scenes::{CatalogueEntry, Mesh, Scene, catalogue, procedural};
 
 /// SHA-256 of each scene at scale 1 and time 0.
@@ -100,7 +102,7 @@ fn scenes_are_as_the_catalogue_says() {
         assert_eq!(scene.mesh.triangles.len() as u64, entry.triangles_at_scale_1, "{name}");
         let pinned = PINNED.iter().find(|(pinned, _)| *pinned == name).map(|(_, sha256)| *sha256);
         assert_eq!(Some(scene.sha256.as_str()), pinned, "{name}");
-        assert_eq!(scene.is_watertight(), entry.watertight, "{name}");
+        assert_eq!(is_watertight(&scene.mesh), entry.watertight, "{name}");
         assert_eq!(fault(&scene.mesh), None, "{name}");
         assert!(scene.mesh.materials.iter().any(|material| material.is_mirror()), "{name}");
         assert!(!entry.description.is_empty());
@@ -136,7 +138,7 @@ fn coarse_scenes_are_sound() {
         for scale in SMALL {
             let scene = make(entry, scale);
             assert_eq!(fault(&scene.mesh), None, "{} at {scale}", entry.name);
-            assert_eq!(scene.is_watertight(), entry.watertight, "{} at {scale}", entry.name);
+            assert_eq!(is_watertight(&scene.mesh), entry.watertight, "{} at {scale}", entry.name);
         }
     }
 }
@@ -162,7 +164,7 @@ fn faults_are_found() {
     assert!(faulty(&|mesh| mesh.materials[0].roughness = 2.0).contains("factors"));
     let mut open = sound.clone();
     open.mesh.triangles.pop();
-    assert!(sound.is_watertight() && !open.is_watertight());
+    assert!(is_watertight(&sound.mesh) && !is_watertight(&open.mesh));
 }
 
 /// Proves that the scale multiplies the triangles of every scene, and that a greater scale never has fewer.
@@ -327,7 +329,7 @@ fn animations_are_smooth() {
         assert_eq!(scene.mesh.triangles, before.triangles);
         assert_eq!(scene.mesh.triangle_objects, before.triangle_objects);
         assert_eq!(fault(&scene.mesh), None, "{}", entry.name);
-        assert_eq!(scene.is_watertight(), entry.watertight, "{}", entry.name);
+        assert_eq!(is_watertight(&scene.mesh), entry.watertight, "{}", entry.name);
     }
 }
 
@@ -349,7 +351,7 @@ fn depth_layers_are_calibrated() {
     ] {
         let scene = procedural(name, 1.0).unwrap();
         let (size, face) = if seven { ([720, 480], Some(480)) } else { ([800, 800], None) };
-        let found = tracebench_scenes::count_layers(&scene, &scene.cameras[0], size, face).total();
+        let found = count_layers(&scene, &scene.cameras[0], size, face).total();
         let within = |found: f64, published: f64| (found / published - 1.0).abs() <= 0.25;
         let average = found.average_of_all();
         assert!(averages.iter().any(|published| within(average, *published)), "{name}: {average} of {averages:?}");

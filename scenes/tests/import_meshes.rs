@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use support::promises;
+use support::watertight::is_watertight;
 use tracebench_scenes::import;
 
 /// Proves that every file of the folder is imported and keeps the promises of a scene, and prints what it is.
@@ -34,7 +35,7 @@ fn files_of_a_folder() {
             scene.mesh.materials.len(),
             scene.mesh.objects.len(),
             scene.cameras.len(),
-            scene.is_watertight(),
+            is_watertight(&scene.mesh),
             scene.notes,
         );
     }

@@ -42,7 +42,7 @@ pub use self::far::is_far;
 pub const SHARED_VERTICES: &str = "TRACEBENCH_shared_vertices";
 
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
-pub const MAX_TRIANGLES: u64 = 50_000_000;
+const MAX_TRIANGLES: u64 = 50_000_000;
 
 /// Greatest magnitude of an imported coordinate in world space. Tracers compute products of two lengths in f32, which leave its
 /// range at 1e19, and of three only where one of them was brought to about 1: a test traces scenes up to here.

@@ -18,9 +18,6 @@ mod shapes;
 pub(crate) mod smithy;
 pub(crate) mod solids;
 
-#[cfg(test)]
-pub(crate) use math::Random;
-
 use crate::scene::{Camera, CameraKey, CameraPath, Mesh};
 
 /// What the builder of a procedural scene hands over.

@@ -1,9 +1,11 @@
 //! Builds small glTF files in code.
 #![allow(dead_code, missing_docs)]
 
+pub mod layers;
 pub mod motion;
 pub mod mutate;
 pub mod promises;
+pub mod watertight;
 
 use serde_json::{Value, json};
 use tracebench_scenes::{Scene, SceneError, import_bytes};

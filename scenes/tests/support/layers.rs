@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::scene::{Camera, Scene};
+use tracebench_scenes::{Camera, Scene};
 
 /// The layers of one view, or of several together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,7 +43,8 @@ impl LayerCount {
         if self.pixels == 0 { 0.0 } else { self.fragments as f64 / self.pixels as f64 }
     }
 
-    fn of(counts: &[u32]) -> Self {
+    /// Of the fragments of each pixel.
+    pub fn of(counts: &[u32]) -> Self {
         Self {
             pixels: counts.len() as u64,
             covered: counts.iter().filter(|&&count| count > 0).count() as u64,
@@ -94,17 +95,20 @@ pub fn count_layers(scene: &Scene, camera: &Camera, size: [u32; 2], face: Option
 }
 
 /// A perspective view: pixel centres are directions from the eye.
-struct View {
-    eye: DVec3,
+pub struct View {
+    /// Where it is seen from.
+    pub eye: DVec3,
     /// Right, up and forward.
-    axes: [DVec3; 3],
+    pub axes: [DVec3; 3],
     /// Half the extent of the image plane at distance 1.
-    half: [f64; 2],
-    size: [u32; 2],
+    pub half: [f64; 2],
+    /// Pixels, along the width and down the height.
+    pub size: [u32; 2],
 }
 
 impl View {
-    fn of(camera: &Camera, size: [u32; 2]) -> Self {
+    /// What a camera sees.
+    pub fn of(camera: &Camera, size: [u32; 2]) -> Self {
         let [eye, target, up] = [camera.eye, camera.target, camera.up].map(to_f64);
         let forward = (target - eye).normalize_or(DVec3::NEG_Z);
         let right = forward.cross(up).normalize_or(DVec3::X);
@@ -113,7 +117,8 @@ impl View {
         Self { eye, axes: [right, right.cross(forward), forward], half: [half * aspect, half], size }
     }
 
-    fn cube(camera: &Camera, side: u32) -> [Self; 6] {
+    /// The six faces of a cube around its eye.
+    pub fn cube(camera: &Camera, side: u32) -> [Self; 6] {
         let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
         axes.map(|forward| {
             let right = DVec3::new(forward.y.abs() - forward.z, 0.0, forward.x);
@@ -145,12 +150,13 @@ impl View {
     }
 }
 
-fn to_f64(point: [f32; 3]) -> DVec3 {
+/// A point in f64.
+pub fn to_f64(point: [f32; 3]) -> DVec3 {
     DVec3::from_array(point.map(f64::from))
 }
 
 /// The number of fragments of each pixel, row by row from the top left.
-fn rasterize(scene: &Scene, view: &View, near: f64) -> Vec<u32> {
+pub fn rasterize(scene: &Scene, view: &View, near: f64) -> Vec<u32> {
     let width = view.size[0] as usize;
     let counts: Vec<AtomicU32> = (0..width * view.size[1] as usize).map(|_| AtomicU32::new(0)).collect();
     scene.mesh.triangles.par_iter().for_each(|triangle| {
@@ -220,166 +226,4 @@ fn extent(view: &View, corners: [DVec3; 3], near: f64) -> Option<[std::ops::Rang
         }
     }
     (bounds[0][0] <= bounds[0][1]).then(|| [0, 1].map(|axis| view.pixels(axis, bounds[axis])))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::procedural::{Random, cameras};
-    use crate::scene::{ImportNotes, Material, Mesh, Origin};
-
-    fn scene(triangles: &[[[f32; 3]; 3]]) -> Scene {
-        let count = triangles.len() as u32;
-        let mesh = Mesh {
-            positions: triangles.iter().flatten().copied().collect(),
-            triangles: (0..count).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect(),
-            triangle_materials: vec![0; triangles.len()],
-            materials: vec![Material { base_color: [0.5; 3], metallic: 0.0, roughness: 1.0, refractive_index: None }],
-            triangle_objects: vec![0; triangles.len()],
-            objects: vec!["scene".to_owned()],
-        };
-        let origin = Origin::Procedural { scale: 1.0 };
-        Scene::assemble("test".to_owned(), origin, mesh, Vec::new(), ImportNotes::default())
-    }
-
-    fn camera(eye: [f32; 3], target: [f32; 3]) -> Camera {
-        cameras(&[("test", eye, target)]).remove(0)
-    }
-
-    /// Where a ray meets a triangle's plane, if inside of it (Möller and Trumbore 1997), in multiples of `direction`.
-    fn meets(triangle: &[[f32; 3]; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
-        let [a, b, c] = triangle.map(to_f64);
-        let (e, f, s) = (b - a, c - a, origin - a);
-        let (p, q) = (direction.cross(f), s.cross(e));
-        let scale = e.dot(p);
-        let (u, v) = (s.dot(p) / scale, direction.dot(q) / scale);
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| f.dot(q) / scale)
-    }
-
-    /// Counts by a ray through each pixel's centre, built from angles rather than from the view's projection.
-    fn by_rays(triangles: &[[[f32; 3]; 3]], camera: &Camera, [width, height]: [u32; 2], near: f64) -> Vec<u32> {
-        let (eye, target) = (to_f64(camera.eye), to_f64(camera.target));
-        let forward = (target - eye).normalize();
-        let right = forward.cross(DVec3::Y).normalize();
-        let up = right.cross(forward);
-        let tan = (f64::from(camera.vertical_fov_radians) * 0.5).tan();
-        let mut counts = Vec::new();
-        for y in 0..height {
-            for x in 0..width {
-                let to_right = (f64::from(x) + 0.5 - f64::from(width) / 2.0) * 2.0 / f64::from(height) * tan;
-                let to_top = (f64::from(height) / 2.0 - f64::from(y) - 0.5) * 2.0 / f64::from(height) * tan;
-                let direction = forward + right * to_right + up * to_top;
-                let seen = |triangle: &&_| meets(triangle, eye, direction).is_some_and(|depth| depth >= near);
-                counts.push(triangles.iter().filter(seen).count() as u32);
-            }
-        }
-        counts
-    }
-
-    fn random_triangles(count: usize) -> Vec<[[f32; 3]; 3]> {
-        let mut random = Random(7);
-        (0..count)
-            .map(|_| {
-                let middle = [0; 3].map(|_| random.between(-2.0, 2.0));
-                [0; 3].map(|_| middle.map(|at| (at + random.between(-1.5, 1.5)) as f32))
-            })
-            .collect()
-    }
-
-    /// Proves that each pixel of the camera's view, from amid triangles that also lie behind the eye and cross the near
-    /// plane, counts as many fragments as rays in f64 find. Without nine triangles counts differ.
-    #[test]
-    fn pixels_count_what_rays_find() {
-        let triangles = random_triangles(300);
-        let scene = scene(&triangles);
-        let camera = camera([0.2, 0.1, 0.3], [-0.5, 0.4, 1.0]);
-        let size = [96, 64];
-        for near in [1e-3 * scene.diagonal(), 0.4] {
-            let counts = rasterize(&scene, &View::of(&camera, size), near);
-            let expected = by_rays(&triangles, &camera, size, near);
-            assert!(expected.iter().max() > Some(&8), "{:?}", expected.iter().max());
-            let differing = |other: &[u32]| counts.iter().zip(other).filter(|(count, other)| count != other).count();
-            assert_eq!(differing(&expected), 0);
-            assert_ne!(differing(&by_rays(&triangles[9..], &camera, size, near)), 0);
-        }
-        let layers = count_layers(&scene, &camera, size, None);
-        let expected = LayerCount::of(&by_rays(&triangles, &camera, size, 1e-3 * scene.diagonal()));
-        assert_eq!(layers.total(), expected);
-    }
-
-    /// Proves that the six faces see every direction once: fragments on faces of a fine cube, weighted by solid angle,
-    /// agree with rays in directions spread evenly over the sphere; a face that stands for another does not.
-    #[test]
-    fn faces_see_all_directions() {
-        let triangles = random_triangles(40);
-        let scene = scene(&triangles);
-        let camera = camera([0.1, 0.2, -0.1], [0.3, 0.4, 1.0]);
-        let side = 128;
-        let near = 1e-3 * scene.diagonal();
-        let weighted = |counts: &[u32]| -> f64 {
-            let weight = |at: usize| {
-                let [x, y] = [at as u32 % side, at as u32 / side].map(|at| (f64::from(at) + 0.5) / 64.0 - 1.0);
-                (1.0 + x * x + y * y).powf(-1.5) / (64.0 * 64.0)
-            };
-            counts.iter().enumerate().map(|(at, &count)| f64::from(count) * weight(at)).sum()
-        };
-        let views = View::cube(&camera, side);
-        let faces: Vec<f64> = views.iter().map(|view| weighted(&rasterize(&scene, view, near))).collect();
-        let eye = to_f64(camera.eye);
-        let mut expected = [0.0; 6];
-        for at in 0..40_000 {
-            let y = (f64::from(at) + 0.5) / 20_000.0 - 1.0;
-            let (sin, cos) = (f64::from(at) * 2.399_963_229_728_653).sin_cos();
-            let direction = DVec3::new((1.0 - y * y).sqrt() * cos, y, (1.0 - y * y).sqrt() * sin);
-            let axis = if direction.x.abs() >= direction.y.abs().max(direction.z.abs()) {
-                0
-            } else {
-                1 + usize::from(direction.z.abs() > direction.y.abs())
-            };
-            let face = 2 * axis + usize::from(direction[axis] < 0.0);
-            let along = direction / direction[axis].abs();
-            let seen = |triangle: &&_| meets(triangle, eye, along).is_some_and(|depth| depth >= near);
-            expected[face] += triangles.iter().filter(seen).count() as f64 * std::f64::consts::PI * 4.0 / 40_000.0;
-        }
-        for face in 0..6 {
-            assert!((faces[face] / expected[face] - 1.0).abs() < 0.02, "face {face}: {faces:?} {expected:?}");
-            assert!((faces[face] / expected[face ^ 1] - 1.0).abs() > 0.02, "face {face}: {faces:?} {expected:?}");
-        }
-        let total = count_layers(&scene, &camera, [8, 8], Some(side)).total();
-        assert_eq!(total.pixels, 64 + 6 * u64::from(side * side));
-    }
-
-    /// Proves that centres on an edge belong to one of the triangles that share it: squares whose edges and diagonals
-    /// run through pixel centres cover each pixel once, and as many a row as columns. A second square over it shows
-    /// that more would be counted.
-    #[test]
-    fn shared_edges_count_once() {
-        let view = View { eye: DVec3::ZERO, axes: [DVec3::X, DVec3::Y, DVec3::Z], half: [1.0, 1.0], size: [16, 16] };
-        // Pixel centres lie at odd sixteenths.
-        let grid = |at: i32| (2 * at - 7) as f32 / 16.0;
-        let mut triangles = Vec::new();
-        for y in 0..7 {
-            for x in 0..7 {
-                let corner = |right: i32, up: i32| [grid(x + right), grid(y + up), 1.0];
-                triangles.push([corner(0, 0), corner(1, 0), corner(1, 1)]);
-                triangles.push([corner(0, 0), corner(1, 1), corner(0, 1)]);
-            }
-        }
-        let counted = |triangles: &[_]| LayerCount::of(&rasterize(&scene(triangles), &view, 0.1));
-        let once = counted(&triangles);
-        assert_eq!((once.fragments, once.covered, once.max), (49, 49, 1));
-        triangles.push([[-0.5, -0.5, 1.5], [0.5, -0.5, 1.5], [0.5, 0.5, 1.5]]);
-        assert_eq!(counted(&triangles).max, 2);
-    }
-
-    /// Proves what averages and totals are; a pixel that is not covered counts in one average only.
-    #[test]
-    fn averages_are_of_covered_or_of_all() {
-        let count = LayerCount::of(&[0, 4, 0, 2]);
-        assert_eq!(count, LayerCount { pixels: 4, covered: 2, fragments: 6, max: 4 });
-        assert_eq!((count.average_of_covered(), count.average_of_all()), (3.0, 1.5));
-        let layers = Layers { view: count, faces: vec![LayerCount::of(&[1, 0])] };
-        assert_eq!(layers.total(), LayerCount { pixels: 6, covered: 3, fragments: 7, max: 4 });
-        assert_eq!((LayerCount::default().average_of_covered(), LayerCount::default().average_of_all()), (0.0, 0.0));
-    }
 }
