@@ -117,14 +117,19 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
 ///
 /// # Errors
 ///
-/// [`SceneError::UnknownScene`] and [`SceneError::ScaleOutOfRange`].
+/// [`SceneError::Argument`].
 pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
-    let entry = CATALOGUE
-        .iter()
-        .find(|entry| entry.name == name)
-        .ok_or_else(|| SceneError::UnknownScene { name: name.to_owned(), known: names() })?;
+    let Some(entry) = CATALOGUE.iter().find(|entry| entry.name == name) else {
+        let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+        return Err(SceneError::Argument(format!(
+            "there is no scene named '{name}': use one of {}, or a path that ends in .gltf or .glb",
+            known.join(", ")
+        )));
+    };
     if !(SCALE_MIN..=SCALE_MAX).contains(&scale) {
-        return Err(SceneError::ScaleOutOfRange { scale, min: SCALE_MIN, max: SCALE_MAX });
+        return Err(SceneError::Argument(format!(
+            "scene scale {scale} is out of range: use a number from {SCALE_MIN} to {SCALE_MAX}"
+        )));
     }
     let build = entry.build;
     let built = build(scale, 0.0);
@@ -143,10 +148,4 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
         left_out: None,
     });
     Ok(scene)
-}
-
-/// All names in the order of the catalogue, for messages.
-fn names() -> String {
-    let names: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
-    names.join(", ")
 }

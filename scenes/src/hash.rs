@@ -1,72 +1,33 @@
 //! The content hash of a mesh.
 
-use std::fmt::Write as _;
-
 use sha2::{Digest, Sha256};
 
 use crate::scene::Mesh;
 
-/// Words are handed to the digest in blocks of this many bytes: one call a word would cost more than the digest.
-const BLOCK_BYTES: usize = 1 << 16;
+// Numbers are hashed as they lie in memory.
+const _: () = assert!(cfg!(target_endian = "little"));
 
 /// SHA-256 of `mesh` in lower-case hex; the order of what is hashed is told at [`crate::Scene::sha256`].
 pub fn content_sha256(mesh: &Mesh) -> String {
-    let mut words = Words { digest: Sha256::new(), block: Vec::with_capacity(BLOCK_BYTES + 8) };
-    words.length(mesh.positions.len());
-    for value in mesh.positions.iter().flatten() {
-        words.word(value.to_bits());
-    }
-    words.length(mesh.triangles.len());
-    for &index in mesh.triangles.iter().flatten() {
-        words.word(index);
-    }
-    words.length(mesh.triangle_materials.len());
-    for &material in &mesh.triangle_materials {
-        words.word(material);
-    }
-    words.length(mesh.materials.len());
+    let mut digest = Sha256::new();
+    let length = |length: usize| (length as u64).to_le_bytes();
+    digest.update(length(mesh.positions.len()));
+    digest.update(bytemuck::cast_slice::<_, u8>(&mesh.positions));
+    digest.update(length(mesh.triangles.len()));
+    digest.update(bytemuck::cast_slice::<_, u8>(&mesh.triangles));
+    digest.update(length(mesh.triangle_materials.len()));
+    digest.update(bytemuck::cast_slice::<_, u8>(&mesh.triangle_materials));
+    digest.update(length(mesh.materials.len()));
     for material in &mesh.materials {
-        for value in material.base_color {
-            words.word(value.to_bits());
-        }
-        words.word(material.metallic.to_bits());
-        words.word(material.roughness.to_bits());
-        material.refractive_index.into_iter().for_each(|index| words.word(index.to_bits()));
+        let [red, green, blue] = material.base_color;
+        digest.update(bytemuck::bytes_of(&[red, green, blue, material.metallic, material.roughness]));
+        digest.update(bytemuck::cast_slice::<f32, u8>(material.refractive_index.as_slice()));
     }
-    words.finish()
+    hex(&digest.finalize())
 }
 
-struct Words {
-    digest: Sha256,
-    block: Vec<u8>,
-}
-
-impl Words {
-    fn word(&mut self, word: u32) {
-        self.block.extend_from_slice(&word.to_le_bytes());
-        if self.block.len() >= BLOCK_BYTES {
-            self.flush();
-        }
-    }
-
-    fn length(&mut self, length: usize) {
-        self.block.extend_from_slice(&(length as u64).to_le_bytes());
-    }
-
-    fn flush(&mut self) {
-        self.digest.update(&self.block);
-        self.block.clear();
-    }
-
-    fn finish(mut self) -> String {
-        self.flush();
-        let mut hex = String::with_capacity(64);
-        for byte in self.digest.finalize() {
-            // Writing to a String cannot fail.
-            let _ = write!(hex, "{byte:02x}");
-        }
-        hex
-    }
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]
@@ -108,11 +69,7 @@ mod tests {
         for value in [0.5f32, 0.25, 1.0, 0.0, 1.0] {
             bytes.extend(value.to_le_bytes());
         }
-        let mut expected = String::new();
-        for byte in Sha256::digest(&bytes) {
-            write!(expected, "{byte:02x}").unwrap();
-        }
-        assert_eq!(content_sha256(&triangle()), expected);
+        assert_eq!(content_sha256(&triangle()), hex(&Sha256::digest(&bytes)));
     }
 
     /// Proves that each of the four parts changes the hash.

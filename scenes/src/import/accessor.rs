@@ -1,13 +1,15 @@
 //! Bounds-checked accessors: where the bytes are is checked once, then elements are read one by one.
+//!
+//! Nothing is decoded ahead, so an accessor costs no memory beyond its buffer, whatever count it claims.
 
 use std::cell::Cell;
 
-use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::accessor::ComponentType::{self, F32, I8, I16, U8, U16, U32};
+use gltf::json::accessor::Type;
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root, buffer};
 
 use super::buffers::Bytes;
-use super::elements::{Elements, Indices, Sparse};
 
 /// Most elements of an accessor that has no data: such an accessor is all zeros and can claim any count.
 const MAX_ELEMENTS_WITHOUT_DATA: u64 = 10_000_000;
@@ -15,83 +17,51 @@ const MAX_ELEMENTS_WITHOUT_DATA: u64 = 10_000_000;
 /// Most elements that are read only to be checked, over all accessors: many may share the same bytes.
 const MAX_CHECKED: u64 = 200_000_000;
 
-/// An accessor whose elements are known to lie within their buffers. It holds no bytes itself.
+/// An accessor whose elements are known to lie within their buffers.
 pub(super) struct Accessor {
     /// None if every element is zero.
     data: Option<Span>,
     component: ComponentType,
     normalized: bool,
     count: usize,
+    /// Components of an element, at least 1.
     width: usize,
-    sparse: Option<SparsePart>,
+    sparse: Option<Sparse>,
 }
 
 /// Where elements lie: from byte `start` of a buffer on.
 struct Span {
-    buffer: usize,
+    bytes: Bytes,
     start: usize,
     stride: usize,
 }
 
-struct SparsePart {
+/// Elements that replace others, whose numbers strictly increase.
+struct Sparse {
     indices: Span,
     component: ComponentType,
     count: usize,
+    /// The replacements, without gaps.
     values: Span,
 }
 
-/// What kind of elements is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
-    /// Vertex positions, or displacements of them: three components of any type but u32.
-    Position,
-    /// Indices: one unsigned component.
-    Index,
-    /// Joints of a vertex: four of u8 or u16.
-    Joints,
-    /// Weights of joints: four of f32, u8 or u16.
-    JointWeights,
-    /// Inverse bind matrices: 4 x 4 of f32.
-    Matrix,
-    /// Times of keys: one f32.
-    Time,
-    /// Translations or scales at keys: three f32.
-    Vector,
-    /// Rotations at keys: four components of any type but u32.
-    Rotation,
-    /// Weights of morph targets at keys: one component of any type but u32.
-    MorphWeight,
-}
+/// A kind of elements: its plural, the shape of an element, the types that its components may have.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Kind(&'static str, Type, &'static [ComponentType]);
+
+const QUANTIZED: &[ComponentType] = &[F32, I8, I16, U8, U16];
 
 impl Kind {
-    fn fits(self, shape: Type, component: ComponentType) -> bool {
-        use ComponentType::{F32, U8, U16, U32};
-        match self {
-            Self::Position => shape == Type::Vec3 && component != U32,
-            Self::Index => shape == Type::Scalar && matches!(component, U8 | U16 | U32),
-            Self::Joints => shape == Type::Vec4 && matches!(component, U8 | U16),
-            Self::JointWeights => shape == Type::Vec4 && matches!(component, F32 | U8 | U16),
-            Self::Matrix => shape == Type::Mat4 && component == F32,
-            Self::Time => shape == Type::Scalar && component == F32,
-            Self::Vector => shape == Type::Vec3 && component == F32,
-            Self::Rotation => shape == Type::Vec4 && component != U32,
-            Self::MorphWeight => shape == Type::Scalar && component != U32,
-        }
-    }
-
-    fn plural(self) -> &'static str {
-        match self {
-            Self::Position => "positions",
-            Self::Index => "indices",
-            Self::Joints => "joints",
-            Self::JointWeights => "weights of joints",
-            Self::Matrix => "matrices",
-            Self::Time => "times",
-            Self::Vector => "translations or scales",
-            Self::Rotation => "rotations",
-            Self::MorphWeight => "weights of morph targets",
-        }
-    }
+    /// Also displacements of positions.
+    pub(super) const POSITION: Self = Self("positions", Type::Vec3, QUANTIZED);
+    pub(super) const INDEX: Self = Self("indices", Type::Scalar, &[U8, U16, U32]);
+    pub(super) const JOINTS: Self = Self("joints", Type::Vec4, &[U8, U16]);
+    pub(super) const JOINT_WEIGHTS: Self = Self("weights of joints", Type::Vec4, &[F32, U8, U16]);
+    pub(super) const MATRIX: Self = Self("matrices", Type::Mat4, &[F32]);
+    pub(super) const TIME: Self = Self("times", Type::Scalar, &[F32]);
+    pub(super) const VECTOR: Self = Self("translations or scales", Type::Vec3, &[F32]);
+    pub(super) const ROTATION: Self = Self("rotations", Type::Vec4, QUANTIZED);
+    pub(super) const MORPH_WEIGHT: Self = Self("weights of morph targets", Type::Scalar, QUANTIZED);
 }
 
 /// Buffers that accessor `index` reads.
@@ -109,25 +79,15 @@ pub(super) fn buffers_of(root: &Root, index: usize) -> Vec<usize> {
 
 /// Opens the accessors of a document whose buffers are loaded.
 pub(super) struct Accessors<'a> {
-    root: &'a Root,
-    bytes: &'a Bytes<'a>,
+    pub(super) root: &'a Root,
+    buffers: Vec<Bytes>,
     checked: Cell<u64>,
 }
 
 impl<'a> Accessors<'a> {
     /// Nothing is checked yet.
-    pub(super) fn new(root: &'a Root, bytes: &'a Bytes<'a>) -> Self {
-        Self { root, bytes, checked: Cell::new(0) }
-    }
-
-    /// The document.
-    pub(super) fn root(&self) -> &'a Root {
-        self.root
-    }
-
-    /// The elements of an accessor that was opened here.
-    pub(super) fn view(&self, accessor: &Accessor) -> Elements<'a> {
-        accessor.view(self.bytes)
+    pub(super) fn new(root: &'a Root, buffers: Vec<Bytes>) -> Self {
+        Self { root, buffers, checked: Cell::new(0) }
     }
 
     /// Notes that `elements` are about to be read to check them; refuses where that gets out of hand.
@@ -148,8 +108,9 @@ impl<'a> Accessors<'a> {
             return Err(format!("accessors[{index}] has an unknown type"));
         };
         let component = component.0;
-        if !kind.fits(shape, component) {
-            return Err(format!("accessors[{index}] holds {component:?} {shape:?}, not {}", kind.plural()));
+        let Kind(plural, wanted, components) = kind;
+        if shape != wanted || !components.contains(&component) {
+            return Err(format!("accessors[{index}] holds {component:?} {shape:?}, not {plural}"));
         }
         let width = shape.multiplicity();
         let element_size = component.size() * width;
@@ -167,15 +128,16 @@ impl<'a> Accessors<'a> {
             }
             None => None,
         };
-        let sparse = match &accessor.sparse {
-            Some(sparse) => Some(
-                self.open_sparse(sparse, claimed, element_size)
-                    .map_err(|problem| format!("the sparse part of accessors[{index}] {problem}"))?,
-            ),
-            None => None,
-        };
+        let sparse = accessor.sparse.as_ref().map(|sparse| self.open_sparse(sparse, claimed, element_size));
+        let sparse =
+            sparse.transpose().map_err(|problem| format!("the sparse part of accessors[{index}] {problem}"))?;
         let count = usize::try_from(claimed).map_err(|_| format!("accessors[{index}] claims {claimed} elements"))?;
         Ok(Accessor { data, component, normalized: accessor.normalized, count, width, sparse })
+    }
+
+    /// As [`Self::open`], of an accessor that need not be there.
+    pub(super) fn open_some<T>(&self, index: Option<Index<T>>, kind: Kind) -> Result<Option<Accessor>, String> {
+        index.map(|index| self.open(index.value(), kind)).transpose()
     }
 
     /// Where `count` elements lie, all of them within their buffer.
@@ -186,15 +148,15 @@ impl<'a> Accessors<'a> {
         if stride < element_size {
             return Err(format!("has elements of {element_size} bytes and bufferViews[{number}] a stride of {stride}"));
         }
-        let buffer = self.bytes.of(view.buffer.value());
+        let bytes = self.buffers.get(view.buffer.value()).cloned().unwrap_or_default();
         let view_start = view.byte_offset.unwrap_or_default().0;
         let view_end = view_start.checked_add(view.byte_length.0);
-        if view_end.is_none_or(|end| end > buffer.len() as u64) {
+        if view_end.is_none_or(|end| end > bytes.len() as u64) {
             return Err(format!(
                 "reads bufferViews[{number}], which needs {} bytes from byte {view_start} on, and buffers[{}] has {}",
                 view.byte_length.0,
                 view.buffer,
-                buffer.len()
+                bytes.len()
             ));
         }
         let needed = if count == 0 {
@@ -212,7 +174,7 @@ impl<'a> Accessors<'a> {
             ));
         }
         let start = usize::try_from(view_start.saturating_add(offset)).unwrap_or(usize::MAX);
-        Ok(Span { buffer: view.buffer.value(), start, stride })
+        Ok(Span { bytes, start, stride })
     }
 
     fn open_sparse(
@@ -220,7 +182,7 @@ impl<'a> Accessors<'a> {
         sparse: &gltf::json::accessor::sparse::Sparse,
         claimed: u64,
         element_size: usize,
-    ) -> Result<SparsePart, String> {
+    ) -> Result<Sparse, String> {
         let count = sparse.count.0;
         if count > claimed {
             return Err(format!("replaces {count} elements, and there are {claimed}"));
@@ -233,12 +195,10 @@ impl<'a> Accessors<'a> {
         let values = self.span(sparse.values.buffer_view, sparse.values.byte_offset.0, count, element_size)?;
         self.charge(count)?;
         // Both spans fit their buffers, so `count` is bounded by bytes that exist.
-        let count = usize::try_from(count).unwrap_or(usize::MAX);
-        let part = SparsePart { indices, component, count, values };
-        let indices = part.view(self.bytes).indices;
+        let part = Sparse { indices, component, count: usize::try_from(count).unwrap_or(usize::MAX), values };
         let mut previous = None;
-        for slot in 0..count {
-            let index = indices.get(slot);
+        for slot in 0..part.count {
+            let index = part.number(slot);
             if previous.is_some_and(|previous| index <= previous) {
                 return Err("has indices that do not increase".to_owned());
             }
@@ -253,40 +213,109 @@ impl<'a> Accessors<'a> {
     }
 }
 
+impl Sparse {
+    /// Which element is replaced by that of a slot; 0 beyond the end.
+    fn number(&self, slot: usize) -> u32 {
+        self.indices.unsigned(self.indices.start + slot * self.indices.stride, self.component)
+    }
+
+    /// The slot that holds `number`.
+    fn find(&self, number: usize) -> Option<usize> {
+        let slot = partition_point(self.count, |slot| (self.number(slot) as usize) < number);
+        (slot < self.count && self.number(slot) as usize == number).then_some(slot)
+    }
+}
+
 impl Accessor {
     /// Number of elements.
     pub(super) fn count(&self) -> usize {
         self.count
     }
 
-    /// The elements in `bytes`, which are those that the accessor was opened with, or a copy of them.
-    pub(super) fn view<'b>(&self, bytes: &'b Bytes<'_>) -> Elements<'b> {
-        Elements {
-            data: self.data.as_ref().map(|span| span.view(bytes)),
-            stride: self.data.as_ref().map_or(0, |span| span.stride),
-            component: self.component,
-            normalized: self.normalized,
-            count: self.count,
-            width: self.width,
-            sparse: self.sparse.as_ref().map(|sparse| sparse.view(bytes)),
+    /// Number of components of all elements.
+    pub(super) fn numbers(&self) -> Option<usize> {
+        self.count.checked_mul(self.width)
+    }
+
+    /// The unsigned integer at `at`; 0 beyond the end.
+    pub(super) fn index(&self, at: usize) -> u32 {
+        self.locate(at).map_or(0, |(span, start)| span.unsigned(start, self.component))
+    }
+
+    /// The first `N` components of the element at `at`, exact; zeros beyond the end and beyond the element.
+    pub(super) fn vector<const N: usize>(&self, at: usize) -> [f64; N] {
+        let mut vector = [0.0; N];
+        if let Some((span, start)) = self.locate(at) {
+            let size = self.component.size();
+            for (slot, value) in vector.iter_mut().enumerate().take(self.width) {
+                *value = self.component_at(span, start + slot * size);
+            }
         }
+        vector
+    }
+
+    /// Component `at` of all elements one after the other, exact; zero beyond the end.
+    pub(super) fn value(&self, at: usize) -> f64 {
+        self.locate(at / self.width)
+            .map_or(0.0, |(span, start)| self.component_at(span, start + (at % self.width) * self.component.size()))
+    }
+
+    fn component_at(&self, span: &Span, at: usize) -> f64 {
+        let (value, full) = match self.component {
+            F32 => return f64::from(f32::from_le_bytes(span.read(at))),
+            I8 => (f64::from(i8::from_le_bytes(span.read(at))), 127.0),
+            I16 => (f64::from(i16::from_le_bytes(span.read(at))), 32_767.0),
+            U8 => (f64::from(u8::from_le_bytes(span.read(at))), 255.0),
+            U16 => (f64::from(u16::from_le_bytes(span.read(at))), 65_535.0),
+            U32 => (f64::from(u32::from_le_bytes(span.read(at))), 1.0),
+        };
+        if self.normalized {
+            // The most negative integer lies just beyond -1 and is clamped, as the specification says.
+            (value / full).max(-1.0)
+        } else {
+            value
+        }
+    }
+
+    /// Where element `at` is, and from which byte on; none where it is zero.
+    fn locate(&self, at: usize) -> Option<(&Span, usize)> {
+        if at >= self.count {
+            return None;
+        }
+        if let Some(sparse) = &self.sparse
+            && let Some(slot) = sparse.find(at)
+        {
+            return Some((&sparse.values, sparse.values.start + slot * self.width * self.component.size()));
+        }
+        self.data.as_ref().map(|data| (data, data.start + at * data.stride))
     }
 }
 
 impl Span {
-    fn view<'b>(&self, bytes: &'b Bytes<'_>) -> &'b [u8] {
-        bytes.of(self.buffer).get(self.start..).unwrap_or(&[])
+    fn unsigned(&self, at: usize, component: ComponentType) -> u32 {
+        match component {
+            U8 => u32::from(u8::from_le_bytes(self.read(at))),
+            U16 => u32::from(u16::from_le_bytes(self.read(at))),
+            _ => u32::from_le_bytes(self.read(at)),
+        }
+    }
+
+    /// `N` bytes at `at`; zeros beyond the end, which the checks at opening exclude.
+    fn read<const N: usize>(&self, at: usize) -> [u8; N] {
+        self.bytes.get(at..).and_then(|tail| tail.first_chunk::<N>()).copied().unwrap_or([0; N])
     }
 }
 
-impl SparsePart {
-    fn view<'b>(&self, bytes: &'b Bytes<'_>) -> Sparse<'b> {
-        let indices = Indices {
-            bytes: self.indices.view(bytes),
-            stride: self.indices.stride,
-            component: self.component,
-            count: self.count,
-        };
-        Sparse { indices, values: self.values.view(bytes) }
+/// The first of `count` numbers for which `before` is false, as it is for all after it.
+pub(super) fn partition_point(count: usize, before: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if before(middle) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
     }
+    low
 }

@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use glam::{DMat4, DVec3};
 use gltf::json::Root;
 
-use super::buffers::Bytes;
 use super::nodes::Placed;
 use super::rig::Rig;
 use crate::scene::{Camera, CameraKey, CameraPath};
@@ -55,8 +54,8 @@ pub(super) fn collect(root: &Root, placed: &[Placed], worlds: &[DMat4], warnings
 
 /// The way of the first camera that the animation moves, as 120 keys a second (fewer where it is long and the nodes are many); none
 /// where none moves. A word in `warnings` for one that cannot be looked through all along.
-pub(super) fn path(root: &Root, rig: &Rig, bytes: &Bytes<'_>, warnings: &mut Vec<String>) -> Option<CameraPath> {
-    let duration_s = rig.duration_s(bytes);
+pub(super) fn path(root: &Root, rig: &Rig, warnings: &mut Vec<String>) -> Option<CameraPath> {
+    let duration_s = rig.duration_s();
     let yfov = |place: &Placed| {
         let camera = root.nodes.get(place.node)?.camera.and_then(|index| root.get(index))?;
         Some(camera.perspective.as_ref()?.yfov)
@@ -68,7 +67,7 @@ pub(super) fn path(root: &Root, rig: &Rig, bytes: &Bytes<'_>, warnings: &mut Vec
     let steps = ((duration_s * KEYS_PER_S).ceil() as usize).clamp(1, most);
     let key = |step: usize| {
         let time_s = duration_s * step as f64 / steps as f64;
-        let (eye, target, up) = aim(&rig.pose(bytes, time_s).worlds[place], yfov)?;
+        let (eye, target, up) = aim(&rig.pose(time_s).worlds[place], yfov)?;
         Some(CameraKey { time_s, eye, target, up })
     };
     let keys: Option<Vec<CameraKey>> = (0..=steps).map(key).collect();

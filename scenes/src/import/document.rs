@@ -3,6 +3,8 @@
 //! The JSON is stripped before it is typed: textures, images, animations after the first, extensions and attributes
 //! that move no vertex are never read here, so nothing that is missing or wrong in them can fail an import.
 
+use std::ops::Range;
+
 use gltf::json::validation::{Error as Violation, Validate};
 use gltf::json::{Root, Value};
 
@@ -10,17 +12,17 @@ use super::rules::shown;
 use super::strip::{StrippedParts, strip};
 
 /// A document all of whose indices are in range, and what is needed beside it.
-pub(super) struct Document<'a> {
+pub(super) struct Document {
     /// The typed JSON.
     pub(super) root: Root,
-    /// The binary chunk of a `.glb`.
-    pub(super) blob: Option<&'a [u8]>,
+    /// Where the binary chunk of a `.glb` is.
+    pub(super) blob: Option<Range<usize>>,
     /// What was stripped and is worth a word to the user.
     pub(super) facts: StrippedParts,
 }
 
 /// Parses `.gltf` or `.glb` bytes; the error says what is wrong and what to do.
-pub(super) fn parse(bytes: &[u8]) -> Result<Document<'_>, String> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Document, String> {
     let (json, blob) = split(bytes)?;
     let mut value: Value = gltf::json::deserialize::from_slice(json).map_err(|error| {
         format!("not a glTF file: its JSON cannot be parsed ({error}); export or download it again")
@@ -36,8 +38,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Document<'_>, String> {
     Ok(Document { root, blob, facts })
 }
 
-/// JSON and binary chunk.
-fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+/// JSON, and where the binary chunk is.
+fn split(bytes: &[u8]) -> Result<(&[u8], Option<Range<usize>>), String> {
     if bytes.is_empty() {
         return Err("the file is empty; export or download it again".to_owned());
     }
@@ -45,11 +47,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         return Ok((json, None));
     }
-    let field = |at: usize| -> Option<u32> {
-        let word = bytes.get(at..at + 4)?;
-        Some(u32::from_le_bytes(word.try_into().ok()?))
-    };
-    let (Some(version), Some(length)) = (field(4), field(8)) else {
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
         return Err(format!(
             "the .glb file ends within its 12-byte header ({} bytes); download or export it again",
             bytes.len()
@@ -67,34 +65,37 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
             bytes.len()
         ));
     };
-    let mut rest = &contents[12..];
-    let json = chunk(&mut rest)?.filter(|(kind, _)| *kind == b"JSON");
-    let (_, json) = json.ok_or("the .glb file is damaged: its first chunk is no JSON; download or export it again")?;
+    let first = chunk(contents, 12)?.filter(|(kind, _)| kind == b"JSON");
+    let (_, json) = first.ok_or("the .glb file is damaged: its first chunk is no JSON; download or export it again")?;
     // Chunks of other types may follow and are ignored (glTF 2.0, section 4.4.3.1).
-    let mut blob = None;
-    while blob.is_none()
-        && let Some((kind, bytes)) = chunk(&mut rest)?
-    {
-        blob = (kind == b"BIN\0").then_some(bytes);
+    let mut start = json.end;
+    while let Some((kind, range)) = chunk(contents, start)? {
+        start = range.end;
+        if kind == b"BIN\0" {
+            return Ok((&contents[json], Some(range)));
+        }
     }
-    Ok((json, blob))
+    Ok((&contents[json], None))
 }
 
-/// Type and bytes of the chunk that `rest` begins with, which is taken off; none at the end.
-#[allow(clippy::type_complexity)]
-fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<(&'a [u8; 4], &'a [u8])>, String> {
-    if rest.is_empty() {
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    bytes.get(at..)?.first_chunk().map(|word| u32::from_le_bytes(*word))
+}
+
+/// Type of a chunk, and where its contents are.
+type Chunk<'a> = (&'a [u8], Range<usize>);
+
+/// The chunk that starts at a byte; none at the end.
+fn chunk(contents: &[u8], start: usize) -> Result<Option<Chunk<'_>>, String> {
+    if start == contents.len() {
         return Ok(None);
     }
-    let parts = rest.split_first_chunk::<4>().and_then(|(length, tail)| {
-        let (kind, tail) = tail.split_first_chunk::<4>()?;
-        let (bytes, tail) = tail.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)?;
-        Some((kind, bytes, tail))
+    let range = word(contents, start).and_then(|length| {
+        let end = (start + 8).checked_add(usize::try_from(length).ok()?)?;
+        (end <= contents.len()).then_some(start + 8..end)
     });
-    let (kind, bytes, tail) =
-        parts.ok_or("the .glb file is damaged: a chunk reaches beyond its end; download or export it again")?;
-    *rest = tail;
-    Ok(Some((kind, bytes)))
+    let range = range.ok_or("the .glb file is damaged: a chunk reaches beyond its end; download or export it again")?;
+    Ok(Some((&contents[start + 4..start + 8], range)))
 }
 
 fn check_version(value: &Value) -> Result<(), String> {

@@ -1,7 +1,5 @@
 //! Which glTF extensions are accepted, and what is said about the others.
 
-use crate::error::SceneError;
-
 /// Families that concern materials and textures only.
 const ACCEPTED_PREFIXES: &[&str] =
     &["KHR_materials_", "KHR_texture_", "EXT_materials_", "EXT_texture_", "ADOBE_materials_", "MSFT_packing_"];
@@ -22,23 +20,14 @@ const ACCEPTED: &[&str] = &[
     "MSFT_texture_dds",
 ];
 
+const EXPORT_WITHOUT_MESHOPT: &str = "export the scene again without meshopt compression";
+const FALLBACK: &str = "its uncompressed fallback is read";
+
 /// Extensions that change geometry: name, what to do where one is required, what is done where it is only used.
 const GEOMETRY: &[(&str, &str, &str)] = &[
-    (
-        "KHR_draco_mesh_compression",
-        "export the scene again without Draco compression",
-        "its uncompressed fallback is read",
-    ),
-    (
-        "EXT_meshopt_compression",
-        "export the scene again without meshopt compression",
-        "its uncompressed fallback is read",
-    ),
-    (
-        "KHR_meshopt_compression",
-        "export the scene again without meshopt compression",
-        "its uncompressed fallback is read",
-    ),
+    ("KHR_draco_mesh_compression", "export the scene again without Draco compression", FALLBACK),
+    ("EXT_meshopt_compression", EXPORT_WITHOUT_MESHOPT, FALLBACK),
+    ("KHR_meshopt_compression", EXPORT_WITHOUT_MESHOPT, FALLBACK),
     (
         "EXT_mesh_gpu_instancing",
         "turn the instances into separate nodes and export the scene again",
@@ -52,20 +41,18 @@ const GEOMETRY: &[(&str, &str, &str)] = &[
     ),
 ];
 
+/// What to do about any other extension.
+const OTHER: &str =
+    "export the scene again without it, or, if it concerns materials only, take it out of extensionsRequired";
+
 /// Refuses required extensions that would change geometry.
-pub(super) fn check_required(scene: &str, required: &[String]) -> Result<(), SceneError> {
-    for extension in required {
-        let name = extension.as_str();
-        let accepted = ACCEPTED.contains(&name) || ACCEPTED_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
+pub(super) fn check_required(required: &[String]) -> Result<(), String> {
+    for name in required {
+        let accepted =
+            ACCEPTED.contains(&name.as_str()) || ACCEPTED_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
         if !accepted {
-            return Err(SceneError::RequiredExtension {
-                scene: scene.to_owned(),
-                extension: extension.clone(),
-                advice: GEOMETRY.iter().find(|known| known.0 == name).map_or(
-                    "export the scene again without it, or, if it concerns materials only, take it out of extensionsRequired",
-                    |known| known.1,
-                ),
-            });
+            let advice = GEOMETRY.iter().find(|known| known.0 == name).map_or(OTHER, |known| known.1);
+            return Err(format!("the file requires extension {name}, which is not supported: {advice}"));
         }
     }
     Ok(())

@@ -2,8 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
-use super::buffers::Bytes;
-use super::elements::Elements;
+use super::accessor::Accessor;
 use super::parts::Part;
 
 /// What moves vertices to world space.
@@ -14,43 +13,26 @@ pub(super) enum Frame<'a> {
     Skin(&'a [DMat4]),
 }
 
-/// Joints and weights of four influences a vertex.
-struct Influences<'a> {
-    joints: Elements<'a>,
-    weights: Elements<'a>,
-}
-
 /// A primitive in a pose, ready to be asked for vertices.
 pub(super) struct Form<'a> {
-    label: &'a str,
-    positions: Elements<'a>,
+    part: &'a Part,
     /// Weights that are not zero, with the displacements.
-    morphs: Vec<(f64, Elements<'a>)>,
+    morphs: Vec<(f64, &'a Accessor)>,
     frame: Frame<'a>,
-    /// Empty without a skin.
-    influences: Vec<Influences<'a>>,
 }
 
 impl<'a> Form<'a> {
-    /// `part`, whose data are in `bytes`, with the `weights` of its morph targets; weights that are missing are zero.
-    pub(super) fn new(part: &'a Part, bytes: &'a Bytes<'_>, weights: &[f64], frame: Frame<'a>) -> Result<Self, String> {
+    /// `part` with the `weights` of its morph targets; weights that are missing are zero.
+    pub(super) fn new(part: &'a Part, weights: &[f64], frame: Frame<'a>) -> Result<Self, String> {
         let targets = part.targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0);
-        let morphs = targets.filter_map(|(target, &weight)| Some((weight, target.as_ref()?.view(bytes)))).collect();
-        let influences: Vec<Influences<'_>> = match frame {
-            Frame::Node(_) => Vec::new(),
-            Frame::Skin(_) => part
-                .influences
-                .iter()
-                .map(|(joints, weights)| Influences { joints: joints.view(bytes), weights: weights.view(bytes) })
-                .collect(),
-        };
-        if matches!(frame, Frame::Skin(_)) && influences.is_empty() {
+        let morphs = targets.filter_map(|(target, &weight)| Some((weight, target.as_ref()?))).collect();
+        if matches!(frame, Frame::Skin(_)) && part.influences.is_empty() {
             return Err(format!(
                 "{}: its node has a skin, and it has no JOINTS_0 and WEIGHTS_0; export the file again",
                 part.label
             ));
         }
-        Ok(Self { label: &part.label, positions: part.positions.view(bytes), morphs, frame, influences })
+        Ok(Self { part, morphs, frame })
     }
 
     /// Whether it is seen in a mirror, so that triangles run the other way round. A skin's first joint tells.
@@ -64,23 +46,19 @@ impl<'a> Form<'a> {
 
     /// Whether a vertex has no weight at all, so that it follows its first joint.
     pub(super) fn is_weightless(&self, corner: u32) -> bool {
-        let corner = corner as usize;
-        !self.influences.is_empty()
-            && self.influences.iter().flat_map(|set| set.weights.vector::<4>(corner)).all(|weight| weight == 0.0)
+        let mut weights = self.part.influences.iter().flat_map(|(_, weights)| weights.vector::<4>(corner as usize));
+        matches!(self.frame, Frame::Skin(_)) && weights.all(|weight| weight == 0.0)
     }
 
     /// The position of a vertex as it is stored, to the bit.
     pub(super) fn stored(&self, corner: u32) -> Result<[f32; 3], String> {
-        let own = DVec3::from_array(self.positions.vector(corner as usize));
-        if own.is_finite() && own.abs().max_element() <= super::MAX_COORDINATE {
-            return Ok(own.as_vec3().to_array());
-        }
-        Err(self.out_of_range(corner, own, own))
+        let own = DVec3::from_array(self.part.positions.vector(corner as usize));
+        self.rounded(corner, own, own)
     }
 
     /// The position of a vertex in world space, computed in f64 and rounded once.
     pub(super) fn point(&self, corner: u32) -> Result<[f32; 3], String> {
-        let own = DVec3::from_array(self.positions.vector(corner as usize));
+        let own = DVec3::from_array(self.part.positions.vector(corner as usize));
         let mut point = own;
         for (weight, displacements) in &self.morphs {
             point += *weight * DVec3::from_array(displacements.vector(corner as usize));
@@ -89,22 +67,17 @@ impl<'a> Form<'a> {
             Frame::Node(world) => world.transform_point3(point),
             Frame::Skin(matrices) => self.skinned(corner as usize, point, matrices)?,
         };
-        if point.is_finite() && point.abs().max_element() <= super::MAX_COORDINATE {
-            return Ok(point.as_vec3().to_array());
-        }
-        Err(self.out_of_range(corner, own, point))
+        self.rounded(corner, own, point)
     }
 
     /// The mean of where the joints would take a point, by their weights.
     fn skinned(&self, corner: usize, point: DVec3, matrices: &[DMat4]) -> Result<DVec3, String> {
-        let label = self.label;
+        let label = &self.part.label;
         let mut sum = DVec3::ZERO;
         let mut total = 0.0;
         let mut first = None;
-        for set in &self.influences {
-            let joints: [f64; 4] = set.joints.vector(corner);
-            let weights: [f64; 4] = set.weights.vector(corner);
-            for (joint, weight) in joints.into_iter().zip(weights) {
+        for (joints, weights) in &self.part.influences {
+            for (joint, weight) in joints.vector::<4>(corner).into_iter().zip(weights.vector::<4>(corner)) {
                 if !(weight.is_finite() && weight >= 0.0) {
                     return Err(format!(
                         "{label} vertex {corner} has a weight of {weight}, and weights are finite and not negative; export the file again"
@@ -130,12 +103,13 @@ impl<'a> Form<'a> {
         }
     }
 
-    fn out_of_range(&self, corner: u32, own: DVec3, point: DVec3) -> String {
-        let label = self.label;
+    /// A point in f32, where it has a place there; `own` is where the vertex was stored.
+    fn rounded(&self, corner: u32, own: DVec3, point: DVec3) -> Result<[f32; 3], String> {
+        let label = &self.part.label;
         if !own.is_finite() {
-            return format!(
+            return Err(format!(
                 "{label} vertex {corner} is at {own}, which is not finite: repair the mesh and export it again"
-            );
+            ));
         }
         if !point.is_finite() {
             let mover = match (&self.frame, self.morphs.is_empty()) {
@@ -143,13 +117,16 @@ impl<'a> Form<'a> {
                 (Frame::Node(_), false) => "its morph targets and its node's transform",
                 (Frame::Skin(_), _) => "its skin",
             };
-            return format!(
+            return Err(format!(
                 "{label} vertex {corner} is at {point} after {mover}, which is not finite: repair the transform"
-            );
+            ));
         }
-        format!(
-            "{label} vertex {corner} is at {point}, and coordinates beyond {:e} are refused because products of lengths overflow f32: scale the scene down",
-            super::MAX_COORDINATE
-        )
+        if point.abs().max_element() > super::MAX_COORDINATE {
+            return Err(format!(
+                "{label} vertex {corner} is at {point}, and coordinates beyond {:e} are refused because products of lengths overflow f32: scale the scene down",
+                super::MAX_COORDINATE
+            ));
+        }
+        Ok(point.as_vec3().to_array())
     }
 }

@@ -1,6 +1,5 @@
 //! From placed primitives to one mesh in world space.
 
-use super::buffers::Bytes;
 use super::degenerate::has_zero_area;
 use super::form::Form;
 use super::parts::Part;
@@ -38,16 +37,9 @@ impl Gathered {
         }
     }
 
-    /// Adds `part`, whose data are in `bytes`, in the pose of `form`, with `material` and `object` (indices into the
-    /// scene's). Only vertices of kept triangles are kept.
-    pub(super) fn add(
-        &mut self,
-        part: &Part,
-        bytes: &Bytes<'_>,
-        form: &Form<'_>,
-        material: u32,
-        object: u32,
-    ) -> Result<(), String> {
+    /// Adds `part` in the pose of `form`, with `material` and `object` (indices into the scene's). Only vertices of kept
+    /// triangles are kept.
+    pub(super) fn add(&mut self, part: &Part, form: &Form<'_>, material: u32, object: u32) -> Result<(), String> {
         if self.shared.is_none() && self.kept.len() < part.vertices {
             // Fresh zeroed memory instead of growth: pages that no index touches are never mapped.
             self.kept = vec![0; part.vertices];
@@ -66,9 +58,8 @@ impl Gathered {
             }
         }
         let mirrored = form.is_mirrored();
-        let indices = part.indices.as_ref().map(|indices| indices.view(bytes));
         for at in 0..part.triangles {
-            let mut corners = part.corners(indices.as_ref(), at);
+            let mut corners = part.corners(at);
             if mirrored && self.shared.is_none() {
                 corners.swap(1, 2);
             }

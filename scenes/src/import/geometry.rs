@@ -4,7 +4,6 @@ use gltf::json::Root;
 
 use super::MAX_TRIANGLES;
 use super::accessor::Accessors;
-use super::buffers::Bytes;
 use super::gather::Gathered;
 use super::motion::Instance;
 use super::nodes::Placed;
@@ -16,30 +15,23 @@ use crate::scene::{ImportNotes, Mesh};
 /// Most triangles, each counted once for every morph target and set of joints that its corners are computed from.
 const MAX_DEFORMED: u64 = 500_000_000;
 
-/// Whether nodes of the scene hold a mesh, and whether one of them has a skin.
-#[derive(Clone, Copy, Default)]
-pub(super) struct MeshUse {
-    used: bool,
-    skinned: bool,
-}
-
-pub(super) fn used_meshes(root: &Root, placed: &[Placed]) -> Vec<MeshUse> {
-    let mut uses = vec![MeshUse::default(); root.meshes.len()];
+/// For each mesh whether a node that holds it has a skin; none if no node of the scene holds it.
+pub(super) fn used_meshes(root: &Root, placed: &[Placed]) -> Vec<Option<bool>> {
+    let mut uses = vec![None; root.meshes.len()];
     for node in placed.iter().filter_map(|place| root.nodes.get(place.node)) {
-        if let Some(mesh) = node.mesh.and_then(|mesh| uses.get_mut(mesh.value())) {
-            mesh.used = true;
-            mesh.skinned |= node.skin.is_some();
+        if let Some(skinned) = node.mesh.and_then(|mesh| uses.get_mut(mesh.value())) {
+            *skinned = Some(skinned.unwrap_or(false) || node.skin.is_some());
         }
     }
     uses
 }
 
 /// Accessors that are read: of meshes, skins and the animation.
-pub(super) fn used_accessors(root: &Root, placed: &[Placed], used: &[MeshUse]) -> Vec<usize> {
+pub(super) fn used_accessors(root: &Root, placed: &[Placed], used: &[Option<bool>]) -> Vec<usize> {
     let mut accessors = Vec::new();
-    for (mesh, mesh_use) in root.meshes.iter().zip(used).filter(|(_, mesh_use)| mesh_use.used) {
+    for (mesh, skinned) in root.meshes.iter().zip(used).filter_map(|(mesh, skinned)| Some((mesh, (*skinned)?))) {
         for primitive in &mesh.primitives {
-            accessors.extend(parts::accessors_of(primitive, mesh_use.skinned));
+            accessors.extend(parts::accessors_of(primitive, skinned));
         }
     }
     for skin in rig::used_skins(root, placed).into_iter().filter_map(|skin| root.skins.get(skin)) {
@@ -56,7 +48,7 @@ fn mesh_of(root: &Root, place: &Placed) -> Option<usize> {
     root.nodes.get(place.node)?.mesh.map(|mesh| mesh.value())
 }
 
-/// Nodes with what moves them, and primitives: all that is needed beside the bytes.
+/// Nodes with what moves them, and primitives.
 pub(super) struct Geometry {
     pub(super) rig: Rig,
     /// By mesh of the document; empty where no node of the scene holds it.
@@ -65,23 +57,20 @@ pub(super) struct Geometry {
 
 impl Geometry {
     pub(super) fn open(
-        root: &Root,
-        bytes: &Bytes<'_>,
+        accessors: &Accessors<'_>,
         placed: Vec<Placed>,
-        used: &[MeshUse],
+        used: &[Option<bool>],
         notes: &mut ImportNotes,
     ) -> Result<Self, String> {
-        let accessors = Accessors::new(root, bytes);
         let mut parts = Vec::with_capacity(used.len());
         let mut distinct = 0;
-        for (mesh, mesh_use) in used.iter().enumerate() {
-            parts.push(if mesh_use.used {
-                parts::open(&accessors, mesh, mesh_use.skinned, &mut distinct, notes)?
-            } else {
-                Vec::new()
+        for (mesh, skinned) in used.iter().enumerate() {
+            parts.push(match *skinned {
+                Some(skinned) => parts::open(accessors, mesh, skinned, &mut distinct, notes)?,
+                None => Vec::new(),
             });
         }
-        let rig = Rig::open(&accessors, placed, notes)?;
+        let rig = Rig::open(accessors, placed, notes)?;
         Ok(Self { rig, parts })
     }
 
@@ -90,14 +79,14 @@ impl Geometry {
     }
 
     /// Length of the animation; none if there is none that moves a triangle.
-    pub(super) fn duration_s(&self, root: &Root, bytes: &Bytes<'_>, warnings: &mut Vec<String>) -> Option<f64> {
+    pub(super) fn duration_s(&self, root: &Root, warnings: &mut Vec<String>) -> Option<f64> {
         root.animations.first()?;
         let mut moving = self.rig.moving(root).into_iter().zip(&self.rig.placed);
         if !moving.any(|(moves, place)| moves && !self.parts_of(root, place).is_empty()) {
             warnings.push("the animation moves no triangles: the scene stands still".to_owned());
             return None;
         }
-        let duration_s = self.rig.duration_s(bytes);
+        let duration_s = self.rig.duration_s();
         if duration_s > 0.0 {
             return Some(duration_s);
         }
@@ -110,7 +99,6 @@ impl Geometry {
     pub(super) fn assemble(
         &self,
         root: &Root,
-        bytes: &Bytes<'_>,
         pose: &Pose,
         keep_sources: bool,
         notes: &mut ImportNotes,
@@ -137,8 +125,8 @@ impl Geometry {
                 let mesh = node.mesh.map_or(0, |mesh| mesh.value());
                 let instance = Instance { place, part: (mesh, slot), skin: node.skin.map(|skin| skin.value()) };
                 let material = part.material.unwrap_or(default_material);
-                let form = instance.form(part, bytes, pose)?;
-                gathered.add(part, bytes, &form, material, objects.len() as u32)?;
+                let form = instance.form(part, pose)?;
+                gathered.add(part, &form, material, objects.len() as u32)?;
                 instances.push((instance, gathered.positions.len()));
             }
             if !self.parts_of(root, placed).is_empty() {

@@ -8,7 +8,6 @@ mod buffers;
 mod cameras;
 mod degenerate;
 mod document;
-mod elements;
 mod extensions;
 mod far;
 mod form;
@@ -25,8 +24,8 @@ mod strip;
 
 use std::path::Path;
 
-use self::accessor::buffers_of;
-use self::buffers::Buffers;
+use self::accessor::{Accessors, buffers_of};
+use self::buffers::{Buffers, Bytes};
 use self::document::Document;
 use self::geometry::Geometry;
 use self::motion::Motion;
@@ -70,9 +69,7 @@ pub fn import(path: &Path) -> Result<Scene, SceneError> {
         return Err(fail(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no regular file")));
     }
     let bytes = std::fs::read(path).map_err(fail)?;
-    let name = name_of(path);
-    let label = path.display().to_string();
-    let mut scene = import_labelled(&bytes, path.parent(), &name, &label)?;
+    let mut scene = import_labelled(bytes, path.parent(), &name_of(path), &path.display().to_string())?;
     scene.origin = Origin::File { path: path.to_owned() };
     Ok(scene)
 }
@@ -106,51 +103,52 @@ pub fn name_of(path: &Path) -> String {
 ///
 /// # Errors
 ///
-/// [`SceneError::ReadBuffer`], [`SceneError::RequiredExtension`] and [`SceneError::Invalid`]: never an argument error.
+/// [`SceneError::Invalid`].
 pub fn import_bytes(bytes: &[u8], base_dir: Option<&Path>, name: &str) -> Result<Scene, SceneError> {
-    import_labelled(bytes, base_dir, name, name)
+    import_labelled(bytes.to_vec(), base_dir, name, name)
 }
 
 /// As [`import_bytes`]; errors call the scene `label`.
-fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &str) -> Result<Scene, SceneError> {
-    let invalid = |problem: String| SceneError::Invalid { scene: label.to_owned(), problem };
-    let Document { root, blob, facts } = document::parse(bytes).map_err(invalid)?;
-    extensions::check_required(label, &root.extensions_required)?;
+fn import_labelled(bytes: Vec<u8>, base_dir: Option<&Path>, name: &str, label: &str) -> Result<Scene, SceneError> {
+    import_or_say(bytes.into(), base_dir, name, label)
+        .map_err(|problem| SceneError::Invalid { scene: label.to_owned(), problem })
+}
+
+/// As [`import_labelled`]; an error says what is wrong.
+fn import_or_say(file: Bytes, base_dir: Option<&Path>, name: &str, label: &str) -> Result<Scene, String> {
+    let Document { root, blob, facts } = document::parse(&file)?;
+    extensions::check_required(&root.extensions_required)?;
 
     let mut notes = ImportNotes::default();
     warn_facts(&facts, &mut notes.warnings);
     extensions::warn_used(&root.extensions_used, &mut notes.warnings);
-    let placed = nodes::place(&root, &mut notes.warnings).map_err(invalid)?;
+    let placed = nodes::place(&root, &mut notes.warnings)?;
     let used = geometry::used_meshes(&root, &placed);
-    let mut buffers = Buffers::new(label, base_dir, blob, root.buffers.len());
+    let mut buffers = Buffers::new(base_dir, file, blob, root.buffers.len());
     for accessor in geometry::used_accessors(&root, &placed, &used) {
         for buffer in buffers_of(&root, accessor) {
             buffers.load(&root, buffer)?;
         }
     }
-    let bytes = buffers.finish();
-    let geometry = Geometry::open(&root, &bytes, placed, &used, &mut notes).map_err(invalid)?;
-    let pose = geometry.rig.pose(&bytes, 0.0);
-    let duration_s = geometry.duration_s(&root, &bytes, &mut notes.warnings);
-    let (mesh, instances, sources) =
-        geometry.assemble(&root, &bytes, &pose, duration_s.is_some(), &mut notes).map_err(invalid)?;
+    let accessors = Accessors::new(&root, buffers.finish());
+    let geometry = Geometry::open(&accessors, placed, &used, &mut notes)?;
+    let pose = geometry.rig.pose(0.0);
+    let duration_s = geometry.duration_s(&root, &mut notes.warnings);
+    let (mesh, instances, sources) = geometry.assemble(&root, &pose, duration_s.is_some(), &mut notes)?;
     let cameras = cameras::collect(&root, &geometry.rig.placed, &pose.worlds, &mut notes.warnings);
-    let camera_path = cameras::path(&root, &geometry.rig, &bytes, &mut notes.warnings);
+    let camera_path = cameras::path(&root, &geometry.rig, &mut notes.warnings);
     let origin = Origin::File { path: name.into() };
-    let Geometry { rig, parts } = geometry;
     let mut scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
     scene.camera_path = camera_path;
     // One that moves is looked at where it is asked for.
     let size = scene.check_size();
     if duration_s.is_none() {
-        size.clone().map_err(invalid)?;
+        size.clone()?;
     }
     let greatest = scene.bounds_min.iter().chain(&scene.bounds_max).fold(0.0, |most: f32, at| most.max(at.abs()));
     scene.notes.warnings.extend(far::warning(scene.diagonal(), f64::from(greatest)).filter(|_| size.is_ok()));
-    scene.animation = duration_s.map(|duration_s| {
-        Motion { label: label.to_owned(), bytes: bytes.into_owned(), rig, parts, instances, sources }
-            .animation(duration_s)
-    });
+    scene.animation = duration_s
+        .map(|duration_s| Motion { label: label.to_owned(), geometry, instances, sources }.animation(duration_s));
     Ok(scene)
 }
 

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::buffers::Bytes;
 use super::form::{Form, Frame};
+use super::geometry::Geometry;
 use super::parts::Part;
-use super::rig::{Pose, Rig};
+use super::rig::Pose;
 use crate::error::SceneError;
 use crate::scene::Animation;
 
@@ -21,12 +21,12 @@ pub(super) struct Instance {
 
 impl Instance {
     /// The primitive in a pose.
-    pub(super) fn form<'a>(&self, part: &'a Part, bytes: &'a Bytes<'_>, pose: &'a Pose) -> Result<Form<'a>, String> {
+    pub(super) fn form<'a>(&self, part: &'a Part, pose: &'a Pose) -> Result<Form<'a>, String> {
         let frame = match self.skin {
             Some(skin) => Frame::Skin(pose.skin(skin)),
             None => Frame::Node(pose.worlds[self.place]),
         };
-        Form::new(part, bytes, pose.weights(self.place), frame)
+        Form::new(part, pose.weights(self.place), frame)
     }
 }
 
@@ -34,10 +34,7 @@ impl Instance {
 pub(super) struct Motion {
     /// How errors call the scene.
     pub(super) label: String,
-    pub(super) bytes: Bytes<'static>,
-    pub(super) rig: Rig,
-    /// By mesh of the document.
-    pub(super) parts: Vec<Vec<Part>>,
+    pub(super) geometry: Geometry,
     /// Instances, each with the end of its vertices in `sources`.
     pub(super) instances: Vec<(Instance, usize)>,
     /// For each vertex of the scene the vertex of its primitive.
@@ -57,11 +54,11 @@ impl Motion {
     }
 
     fn positions(&self, time_s: f64) -> Result<Vec<[f32; 3]>, String> {
-        let pose = self.rig.pose(&self.bytes, time_s);
+        let pose = self.geometry.rig.pose(time_s);
         let mut positions = Vec::with_capacity(self.sources.len());
         for (instance, end) in &self.instances {
             let (mesh, part) = instance.part;
-            let form = instance.form(&self.parts[mesh][part], &self.bytes, &pose)?;
+            let form = instance.form(&self.geometry.parts[mesh][part], &pose)?;
             for &corner in &self.sources[positions.len()..*end] {
                 positions.push(form.point(corner)?);
             }

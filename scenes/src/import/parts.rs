@@ -4,10 +4,9 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessor::{Accessor, Accessors, Kind};
-use super::elements::Elements;
 use crate::scene::ImportNotes;
 
-/// A primitive that holds triangles; the bytes behind it are elsewhere.
+/// A primitive that holds triangles.
 pub(super) struct Part {
     /// How messages call it: mesh, its name, primitive.
     pub(super) label: String,
@@ -29,16 +28,15 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// The three vertex indices of triangle `at`, in the winding that glTF defines for its mode. `indices` is the view
-    /// of the part's own.
-    pub(super) fn corners(&self, indices: Option<&Elements<'_>>, at: usize) -> [u32; 3] {
+    /// The three vertex indices of triangle `at`, in the winding that glTF defines for its mode.
+    pub(super) fn corners(&self, at: usize) -> [u32; 3] {
         let slots = match self.mode {
             // Every other triangle of a strip runs the other way round.
             Mode::TriangleStrip => [at, at + 1 + at % 2, at + 2 - at % 2],
             Mode::TriangleFan => [at + 1, at + 2, 0],
             _ => [3 * at, 3 * at + 1, 3 * at + 2],
         };
-        slots.map(|slot| match indices {
+        slots.map(|slot| match &self.indices {
             Some(indices) => indices.index(slot),
             // Checked when the part was opened: there are at most 2^32 vertices.
             None => slot as u32,
@@ -75,7 +73,7 @@ pub(super) fn open(
 ) -> Result<Vec<Part>, String> {
     let mut parts = Vec::new();
     let mut without_positions = 0;
-    let Some(mesh) = accessors.root().meshes.get(mesh_index) else {
+    let Some(mesh) = accessors.root.meshes.get(mesh_index) else {
         return Ok(parts);
     };
     for (primitive_index, primitive) in mesh.primitives.iter().enumerate() {
@@ -114,11 +112,10 @@ fn open_part(
     warnings: &mut Vec<String>,
 ) -> Result<Option<Part>, String> {
     let fail = |problem: String| format!("{label}: {problem}; export the file again");
-    let positions = attribute(accessors, primitive, Semantic::Positions, Kind::Position)
+    let positions = attribute(accessors, primitive, Semantic::Positions, Kind::POSITION)
         .map_err(fail)?
         .ok_or_else(|| fail("it has no positions".to_owned()))?;
-    let indices =
-        primitive.indices.map(|index| accessors.open(index.value(), Kind::Index)).transpose().map_err(fail)?;
+    let indices = accessors.open_some(primitive.indices, Kind::INDEX).map_err(fail)?;
     let length = indices.as_ref().unwrap_or(&positions).count();
     if u32::try_from(positions.count()).is_err() || length as u64 > 3 * super::MAX_TRIANGLES {
         return Err(format!(
@@ -144,10 +141,15 @@ fn open_part(
     *total = total.saturating_add(triangles as u64);
     super::geometry::check_total(*total)?;
     let vertices = match &indices {
-        Some(indices) => max_index(&accessors.view(indices), positions.count()).map_err(fail)?,
+        Some(indices) => max_index(indices, positions.count()).map_err(fail)?,
         None => length,
     };
-    let targets = open_targets(accessors, primitive, vertices).map_err(fail)?;
+    let mut targets = Vec::new();
+    for (slot, target) in primitive.targets.iter().flatten().enumerate() {
+        let opened = accessors.open_some(target.positions, Kind::POSITION).map_err(fail)?;
+        check_count(&format!("morph target {slot}"), opened.as_ref(), vertices).map_err(fail)?;
+        targets.push(opened);
+    }
     let influences = if skinned { open_influences(accessors, primitive, vertices).map_err(fail)? } else { Vec::new() };
     let material = primitive.material.map(|material| material.value() as u32);
     Ok(Some(Part { label, positions, indices, targets, influences, material, triangles, vertices, mode }))
@@ -159,22 +161,7 @@ fn attribute(
     semantic: Semantic,
     kind: Kind,
 ) -> Result<Option<Accessor>, String> {
-    let index = primitive.attributes.get(&Checked::Valid(semantic));
-    index.map(|index| accessors.open(index.value(), kind)).transpose()
-}
-
-fn open_targets(
-    accessors: &Accessors<'_>,
-    primitive: &Primitive,
-    vertices: usize,
-) -> Result<Vec<Option<Accessor>>, String> {
-    let mut targets = Vec::new();
-    for (slot, target) in primitive.targets.iter().flatten().enumerate() {
-        let opened = target.positions.map(|index| accessors.open(index.value(), Kind::Position)).transpose()?;
-        check_count(&format!("morph target {slot}"), opened.as_ref(), vertices)?;
-        targets.push(opened);
-    }
-    Ok(targets)
+    accessors.open_some(primitive.attributes.get(&Checked::Valid(semantic)).copied(), kind)
 }
 
 fn open_influences(
@@ -184,8 +171,8 @@ fn open_influences(
 ) -> Result<Vec<(Accessor, Accessor)>, String> {
     let mut influences = Vec::new();
     for set in 0.. {
-        let joints = attribute(accessors, primitive, Semantic::Joints(set), Kind::Joints)?;
-        let weights = attribute(accessors, primitive, Semantic::Weights(set), Kind::JointWeights)?;
+        let joints = attribute(accessors, primitive, Semantic::Joints(set), Kind::JOINTS)?;
+        let weights = attribute(accessors, primitive, Semantic::Weights(set), Kind::JOINT_WEIGHTS)?;
         check_count(&format!("JOINTS_{set}"), joints.as_ref(), vertices)?;
         check_count(&format!("WEIGHTS_{set}"), weights.as_ref(), vertices)?;
         match (joints, weights) {
@@ -206,7 +193,7 @@ fn check_count(what: &str, accessor: Option<&Accessor>, vertices: usize) -> Resu
 }
 
 /// One more than the greatest index, all of which must be below `vertices`.
-fn max_index(indices: &Elements<'_>, vertices: usize) -> Result<usize, String> {
+fn max_index(indices: &Accessor, vertices: usize) -> Result<usize, String> {
     let mut end = 0;
     for at in 0..indices.count() {
         let index = indices.index(at) as usize;

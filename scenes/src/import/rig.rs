@@ -8,7 +8,6 @@ use gltf::json::animation::{Animation, Channel as JsonChannel, Property};
 use gltf::json::validation::Checked;
 
 use super::accessor::{Accessors, Kind};
-use super::buffers::Bytes;
 use super::nodes::{LocalTransform, Placed, Properties, affine};
 use super::sampler::Sampler;
 use crate::scene::ImportNotes;
@@ -16,21 +15,19 @@ use crate::scene::ImportNotes;
 /// Most joints over all skins.
 const MAX_JOINTS: usize = 1_000_000;
 
-/// Nodes, skins and channels; holds no bytes itself.
+/// Nodes, skins and channels.
 pub(super) struct Rig {
     /// Nodes of the scene, parents before children.
     pub(super) placed: Vec<Placed>,
-    /// By index of the document; none where no node of the scene uses it.
-    skins: Vec<Option<Skin>>,
+    /// By index of the document; empty where no node of the scene uses it.
+    skins: Vec<Joints>,
     /// Weights of morph targets at rest, by placed node, where there are any.
     weights: BTreeMap<usize, Vec<f64>>,
     channels: Vec<Channel>,
 }
 
-struct Skin {
-    /// Placed nodes, each with the matrix from the mesh's space to the joint's.
-    joints: Vec<(usize, DMat4)>,
-}
+/// Joints of a skin: placed nodes, each with the matrix from the mesh's space to its own.
+type Joints = Vec<(usize, DMat4)>;
 
 /// A property of a placed node over time.
 struct Channel {
@@ -66,7 +63,7 @@ impl Rig {
         placed: Vec<Placed>,
         notes: &mut ImportNotes,
     ) -> Result<Self, String> {
-        let root = accessors.root();
+        let root = accessors.root;
         let mut place_of = vec![None; root.nodes.len()];
         for (place, placed) in placed.iter().enumerate() {
             place_of[placed.node] = Some(place);
@@ -118,9 +115,9 @@ impl Rig {
             return Err("its interpolation does not exist".to_owned());
         };
         let (kind, width) = match property {
-            Property::Translation | Property::Scale => (Kind::Vector, 3),
-            Property::Rotation => (Kind::Rotation, 4),
-            Property::MorphTargetWeights => (Kind::MorphWeight, target_count(accessors.root(), node)?),
+            Property::Translation | Property::Scale => (Kind::VECTOR, 3),
+            Property::Rotation => (Kind::ROTATION, 4),
+            Property::MorphTargetWeights => (Kind::MORPH_WEIGHT, target_count(accessors.root, node)?),
         };
         if width == 0 {
             notes.warnings.push(format!("nodes[{node}] has animated weights and no morph targets: they are ignored"));
@@ -139,14 +136,14 @@ impl Rig {
     }
 
     /// Time of the last key of all channels in seconds; 0 if there is none.
-    pub(super) fn duration_s(&self, bytes: &Bytes<'_>) -> f64 {
-        self.channels.iter().map(|channel| channel.sampler.end_s(bytes)).fold(0.0, f64::max)
+    pub(super) fn duration_s(&self) -> f64 {
+        self.channels.iter().map(|channel| channel.sampler.end_s()).fold(0.0, f64::max)
     }
 
     /// What it takes to compute a pose: nodes, joints, and numbers of channels.
     pub(super) fn size(&self) -> usize {
-        let joints: usize = self.skins.iter().flatten().map(|skin| skin.joints.len()).sum();
-        self.placed.len() + joints + self.channels.iter().map(|channel| channel.sampler.width()).sum::<usize>()
+        let joints: usize = self.skins.iter().map(Vec::len).sum();
+        self.placed.len() + joints + self.channels.iter().map(|channel| channel.sampler.width).sum::<usize>()
     }
 
     /// For each placed node, whether it moves, by itself or by a parent.
@@ -169,11 +166,7 @@ impl Rig {
         for channel in &self.channels {
             by_weights[channel.place] |= channel.property == Property::MorphTargetWeights;
         }
-        let by_skin: Vec<bool> = self
-            .skins
-            .iter()
-            .map(|skin| skin.iter().flat_map(|skin| &skin.joints).any(|joint| by_node[joint.0]))
-            .collect();
+        let by_skin: Vec<bool> = self.skins.iter().map(|skin| skin.iter().any(|joint| by_node[joint.0])).collect();
         let moving = |(place, own): (usize, &Placed)| {
             let skin = root.nodes[own.node].skin.and_then(|skin| by_skin.get(skin.value()));
             *skin.unwrap_or(&by_node[place]) || by_weights[place]
@@ -183,11 +176,11 @@ impl Rig {
 
     /// How everything stands at a time in seconds; nothing is checked to be finite. Of two channels for one property the
     /// later one counts.
-    pub(super) fn pose(&self, bytes: &Bytes<'_>, time_s: f64) -> Pose {
+    pub(super) fn pose(&self, time_s: f64) -> Pose {
         let mut moved: BTreeMap<usize, Properties> = BTreeMap::new();
         let mut weights = self.weights.clone();
         for channel in &self.channels {
-            let value = channel.sampler.at(bytes, time_s);
+            let value = channel.sampler.at(time_s);
             if channel.property == Property::MorphTargetWeights {
                 weights.insert(channel.place, value);
             } else if let LocalTransform::Properties(rest) = self.placed[channel.place].local {
@@ -206,11 +199,8 @@ impl Rig {
                 moved.get(&place).map_or(own.local, |properties| LocalTransform::Properties(*properties)).matrix();
             worlds.push(own.parent.map_or(local, |parent| worlds[parent] * local));
         }
-        let skin = |skin: &Option<Skin>| match skin {
-            Some(skin) => skin.joints.iter().map(|&(place, inverse_bind)| worlds[place] * inverse_bind).collect(),
-            None => Vec::new(),
-        };
-        let skins = self.skins.iter().map(skin).collect();
+        let joint = |&(place, inverse_bind): &(usize, DMat4)| worlds[place] * inverse_bind;
+        let skins = self.skins.iter().map(|skin| skin.iter().map(joint).collect()).collect();
         Pose { worlds, skins, weights }
     }
 }
@@ -221,10 +211,9 @@ fn open_skins(
     placed: &[Placed],
     place_of: &[Option<usize>],
     notes: &mut ImportNotes,
-) -> Result<Vec<Option<Skin>>, String> {
-    let root = accessors.root();
-    let mut skins: Vec<Option<Skin>> = Vec::new();
-    skins.resize_with(root.skins.len(), || None);
+) -> Result<Vec<Joints>, String> {
+    let root = accessors.root;
+    let mut skins = vec![Joints::new(); root.skins.len()];
     let mut joints = 0usize;
     for index in used_skins(root, placed) {
         let (Some(json), Some(skin)) = (root.skins.get(index), skins.get_mut(index)) else {
@@ -235,7 +224,7 @@ fn open_skins(
             return Err(format!("its skins have more than {MAX_JOINTS} joints, which is too much: reduce them"));
         }
         let opened = open_skin(accessors, json, place_of, &format!("skins[{index}]"), notes);
-        *skin = Some(opened.map_err(|problem| format!("skins[{index}]: {problem}; export the file again"))?);
+        *skin = opened.map_err(|problem| format!("skins[{index}]: {problem}; export the file again"))?;
     }
     Ok(skins)
 }
@@ -246,19 +235,17 @@ fn open_skin(
     place_of: &[Option<usize>],
     label: &str,
     notes: &mut ImportNotes,
-) -> Result<Skin, String> {
+) -> Result<Joints, String> {
     if json.joints.is_empty() {
         return Err("it has no joints".to_owned());
     }
-    let matrices =
-        json.inverse_bind_matrices.map(|accessor| accessors.open(accessor.value(), Kind::Matrix)).transpose()?;
+    let matrices = accessors.open_some(json.inverse_bind_matrices, Kind::MATRIX)?;
     if let Some(matrices) = &matrices
         && matrices.count() < json.joints.len()
     {
         let (joints, found) = (json.joints.len(), matrices.count());
         return Err(format!("it has {joints} joints and {found} inverse bind matrices"));
     }
-    let matrices = matrices.map(|matrices| accessors.view(&matrices));
     let mut skewed = 0;
     let mut joints = Vec::with_capacity(json.joints.len());
     for (slot, node) in json.joints.iter().enumerate() {
@@ -284,7 +271,7 @@ fn open_skin(
             "{label} has inverse bind matrices that are not affine ({skewed}): their last row is taken as 0 0 0 1"
         ));
     }
-    Ok(Skin { joints })
+    Ok(joints)
 }
 
 /// Skins of the placed nodes that hold a mesh, each once, in rising order.

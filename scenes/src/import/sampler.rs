@@ -3,9 +3,7 @@
 use glam::DQuat;
 use gltf::json::animation::Interpolation;
 
-use super::accessor::{Accessor, Accessors, Kind};
-use super::buffers::Bytes;
-use super::elements::Elements;
+use super::accessor::{Accessor, Accessors, Kind, partition_point};
 use super::nodes::unit;
 
 /// Values at keys.
@@ -14,7 +12,7 @@ pub(super) struct Sampler {
     values: Accessor,
     interpolation: Interpolation,
     /// Numbers of a value.
-    width: usize,
+    pub(super) width: usize,
     /// Whether a value is a rotation, of which only the direction counts.
     is_rotation: bool,
 }
@@ -31,9 +29,9 @@ impl Sampler {
         kind: Kind,
         width: usize,
     ) -> Result<Self, String> {
-        let times = accessors.open(times, Kind::Time)?;
+        let times = accessors.open(times, Kind::TIME)?;
         let values = accessors.open(values, kind)?;
-        let sampler = Self { times, values, interpolation, width, is_rotation: kind == Kind::Rotation };
+        let sampler = Self { times, values, interpolation, width, is_rotation: kind == Kind::ROTATION };
         sampler.check(accessors)?;
         Ok(sampler)
     }
@@ -43,21 +41,18 @@ impl Sampler {
         if keys == 0 {
             return Err("it has no keys".to_owned());
         }
-        let values = accessors.view(&self.values);
         // Elements of rotations and vectors have the width of the value, those of morph weights one number.
-        let numbers = values.count().checked_mul(values.width);
-        let per_key = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-        let wanted = self.width.checked_mul(per_key).and_then(|each| each.checked_mul(keys));
+        let numbers = self.values.numbers();
+        let wanted = self.width.checked_mul(self.parts()).and_then(|each| each.checked_mul(keys));
         if numbers != wanted || wanted.is_none() {
-            let found = values.count();
+            let found = self.values.count();
             return Err(format!("it has {keys} keys and {found} values, and these do not go together"));
         }
         accessors.charge(keys as u64)?;
         accessors.charge(numbers.unwrap_or(0) as u64)?;
-        let times = accessors.view(&self.times);
         let mut previous = -1.0;
         for key in 0..keys {
-            let time = times.value(key);
+            let time = self.times.value(key);
             if !time.is_finite() || time < 0.0 {
                 return Err(format!("key {key} is at {time} s, and times are finite and not negative"));
             }
@@ -67,7 +62,7 @@ impl Sampler {
             previous = time;
         }
         for number in 0..numbers.unwrap_or(0) {
-            let value = values.value(number);
+            let value = self.values.value(number);
             if !value.is_finite() {
                 return Err(format!("number {number} of its values is {value}, which is not finite"));
             }
@@ -75,65 +70,32 @@ impl Sampler {
         Ok(())
     }
 
-    /// Numbers of a value.
-    pub(super) fn width(&self) -> usize {
-        self.width
-    }
-
     /// Time of the last key in seconds.
-    pub(super) fn end_s(&self, bytes: &Bytes<'_>) -> f64 {
-        self.times.view(bytes).value(self.times.count().saturating_sub(1))
+    pub(super) fn end_s(&self) -> f64 {
+        self.times.value(self.times.count().saturating_sub(1))
     }
 
     /// The value at a time in seconds: before the first key that of the first, after the last that of the last. A
     /// rotation has unit length; where its numbers are all zero it is none.
-    pub(super) fn at(&self, bytes: &Bytes<'_>, time_s: f64) -> Vec<f64> {
-        let keys = Keys {
-            times: self.times.view(bytes),
-            values: self.values.view(bytes),
-            width: self.width,
-            cubic: self.interpolation == Interpolation::CubicSpline,
-        };
-        let next = keys.after(time_s);
-        let mut value = if next == 0 || next == keys.times.count() || self.interpolation == Interpolation::Step {
-            keys.value(next.saturating_sub(1))
-        } else if keys.cubic {
-            keys.spline(next - 1, time_s)
+    pub(super) fn at(&self, time_s: f64) -> Vec<f64> {
+        let keys = self.times.count();
+        let next = partition_point(keys, |key| self.times.value(key) <= time_s);
+        let mut value = if next == 0 || next == keys || self.interpolation == Interpolation::Step {
+            self.key(next.saturating_sub(1))
+        } else if self.interpolation == Interpolation::CubicSpline {
+            self.spline(next - 1, time_s)
         } else if self.is_rotation {
-            let [from, to] = [next - 1, next].map(|key| rotation(&keys.value(key)));
-            slerp(from, to, keys.share(next - 1, time_s)).to_array().to_vec()
+            let [from, to] = [next - 1, next].map(|key| rotation(&self.key(key)));
+            slerp(from, to, self.share(next - 1, time_s)).to_array().to_vec()
         } else {
-            let share = keys.share(next - 1, time_s);
-            let pairs = keys.value(next - 1).into_iter().zip(keys.value(next));
+            let share = self.share(next - 1, time_s);
+            let pairs = self.key(next - 1).into_iter().zip(self.key(next));
             pairs.map(|(from, to)| from * (1.0 - share) + to * share).collect()
         };
         if self.is_rotation {
             value = rotation(&value).to_array().to_vec();
         }
         value
-    }
-}
-
-struct Keys<'b> {
-    times: Elements<'b>,
-    values: Elements<'b>,
-    width: usize,
-    cubic: bool,
-}
-
-impl Keys<'_> {
-    /// The first key that is later than a time; their number if there is none.
-    fn after(&self, time_s: f64) -> usize {
-        let (mut low, mut high) = (0, self.times.count());
-        while low < high {
-            let middle = low + (high - low) / 2;
-            if self.times.value(middle) <= time_s {
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        low
     }
 
     /// How far a time is from key `from` to the next, in [0, 1].
@@ -142,25 +104,29 @@ impl Keys<'_> {
         (time_s - start) / (end - start)
     }
 
-    /// The value at a key.
-    fn value(&self, key: usize) -> Vec<f64> {
-        self.part(key, if self.cubic { (1, 3) } else { (0, 1) })
+    /// Values that each key has: on a spline between its in-tangent and its out-tangent.
+    fn parts(&self) -> usize {
+        if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 }
     }
 
-    /// Part `slot` of `parts` of a key.
-    fn part(&self, key: usize, (slot, parts): (usize, usize)) -> Vec<f64> {
-        let start = (key * parts + slot) * self.width;
+    /// The value at a key.
+    fn key(&self, key: usize) -> Vec<f64> {
+        self.part(key, self.parts() / 2)
+    }
+
+    /// One of the values that a key has.
+    fn part(&self, key: usize, slot: usize) -> Vec<f64> {
+        let start = (key * self.parts() + slot) * self.width;
         (start..start + self.width).map(|number| self.values.value(number)).collect()
     }
 
-    /// Cubic Hermite spline from key `from` to the next (glTF 2.0, appendix C.5). A key has in-tangent, value and
-    /// out-tangent; tangents are per second.
+    /// Cubic Hermite spline from key `from` to the next (glTF 2.0, appendix C.5); tangents are per second.
     fn spline(&self, from: usize, time_s: f64) -> Vec<f64> {
         let span = self.times.value(from + 1) - self.times.value(from);
         let t = self.share(from, time_s);
         let (t2, t3) = (t * t, t * t * t);
-        let [start, leave] = [(1, 3), (2, 3)].map(|part| self.part(from, part));
-        let [arrive, end] = [(0, 3), (1, 3)].map(|part| self.part(from + 1, part));
+        let [start, leave] = [1, 2].map(|part| self.part(from, part));
+        let [arrive, end] = [0, 1].map(|part| self.part(from + 1, part));
         (0..self.width)
             .map(|axis| {
                 (2.0 * t3 - 3.0 * t2 + 1.0) * start[axis]

@@ -33,59 +33,93 @@ const LISTS: &[(&str, &str)] = &[
 /// A camera that is no perspective one.
 const ORTHOGRAPHIC: &str = r#"{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}}"#;
 
+/// Where objects are, by the keys that lead to them (those in a list with `[]`), and what is kept of them. A name that is no string is dropped, since
+/// nothing depends on it.
+const KEPT: &[(&str, &[&str])] = &[
+    ("accessors[]", &["bufferView", "byteOffset", "componentType", "count", "name", "normalized", "sparse", "type"]),
+    ("accessors[].sparse", &["count", "indices", "values"]),
+    ("accessors[].sparse.indices", &["bufferView", "byteOffset", "componentType"]),
+    ("accessors[].sparse.values", &["bufferView", "byteOffset", "componentType"]),
+    ("animations[]", &["channels", "name", "samplers"]),
+    ("animations[].channels[]", &["sampler", "target"]),
+    ("animations[].channels[].target", &["node", "path"]),
+    ("animations[].samplers[]", &["input", "interpolation", "output"]),
+    ("asset", &["version"]),
+    ("bufferViews[]", &["buffer", "byteLength", "byteOffset", "byteStride", "name"]),
+    ("buffers[]", &["byteLength", "name", "uri"]),
+    ("cameras[]", &["name", "perspective"]),
+    ("cameras[].perspective", &["yfov"]),
+    ("materials[]", &["alphaMode", "extensions", "name", "pbrMetallicRoughness"]),
+    ("materials[].extensions", &["KHR_materials_ior", "KHR_materials_transmission"]),
+    ("materials[].extensions.KHR_materials_ior", &["ior"]),
+    ("materials[].extensions.KHR_materials_transmission", &["transmissionFactor"]),
+    ("materials[].pbrMetallicRoughness", &["baseColorFactor", "metallicFactor", "roughnessFactor"]),
+    ("meshes[]", &["name", "primitives", "weights"]),
+    ("meshes[].primitives[]", &["attributes", "indices", "material", "mode", "targets"]),
+    ("meshes[].primitives[].targets[]", &["POSITION"]),
+    (
+        "nodes[]",
+        &["camera", "children", "matrix", "mesh", "name", "rotation", "scale", "skin", "translation", "weights"],
+    ),
+    ("scenes[]", &["name", "nodes"]),
+    ("skins[]", &["inverseBindMatrices", "joints", "name"]),
+];
+
+/// What is kept of the document itself.
+const DOCUMENT: &[&str] = &[
+    "accessors",
+    "animations",
+    "asset",
+    "bufferViews",
+    "buffers",
+    "cameras",
+    "extensionsRequired",
+    "extensionsUsed",
+    "materials",
+    "meshes",
+    "nodes",
+    "scene",
+    "scenes",
+    "skins",
+];
+
 /// Strips `document` in place.
 pub(super) fn strip(document: &mut Value) -> Result<StrippedParts, String> {
-    keep(
-        document,
-        &[
-            "accessors",
-            "animations",
-            "asset",
-            "bufferViews",
-            "buffers",
-            "cameras",
-            "extensionsRequired",
-            "extensionsUsed",
-            "materials",
-            "meshes",
-            "nodes",
-            "scene",
-            "scenes",
-            "skins",
-        ],
-    );
+    check_compressed(document)?;
+    items(document, "materials").for_each(replace_older_form);
+    keep(document, DOCUMENT, "");
     let mut facts = strip_animations(document);
-    if let Some(asset) = document.get_mut("asset") {
-        keep(asset, &["version"]);
-    }
     // Only told of.
     let used = document.get("extensionsUsed").and_then(Value::as_array);
     if !used.is_some_and(|names| names.iter().all(Value::is_string)) {
         remove(document, "extensionsUsed");
     }
-    let skinned = strip_nodes(document);
-    if skinned {
-        items(document, "skins").for_each(|skin| keep(skin, &["inverseBindMatrices", "joints", "name"]));
-    } else {
+    for material in items(document, "materials") {
+        if !matches!(material.get("alphaMode").and_then(Value::as_str), Some("OPAQUE" | "MASK" | "BLEND")) {
+            remove(material, "alphaMode");
+        }
+    }
+    let mut skinned = false;
+    for node in items(document, "nodes") {
+        if node.get("mesh").is_some() {
+            skinned |= node.get("skin").is_some();
+        } else {
+            remove(node, "skin");
+            remove(node, "weights");
+        }
+    }
+    if !skinned {
         remove(document, "skins");
     }
-    for scene in items(document, "scenes") {
-        keep(scene, &["name", "nodes"]);
-        if let Some(scene) = scene.as_object_mut() {
-            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    for scene in items(document, "scenes").filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
+    // Joints and weights of vertices are kept where there are skins.
+    for primitive in items(document, "meshes").flat_map(|mesh| items(mesh, "primitives")) {
+        if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
+            attributes.retain(|key, _| key == "POSITION" || (skinned && is_influence(key)));
         }
     }
-    for camera in items(document, "cameras") {
-        keep(camera, &["name", "perspective"]);
-        if let Some(projection) = camera.get_mut("perspective") {
-            keep(projection, &["yfov"]);
-        }
-    }
-    strip_meshes(document, skinned)?;
-    for material in items(document, "materials") {
-        strip_material(material);
-    }
-    strip_data(document);
     let reached = reached(document);
     let unreached = |(name, index): (&'static str, usize)| !reached.contains(&(name, index));
     for (name, _) in LISTS {
@@ -173,8 +207,6 @@ fn strip_animations(document: &mut Value) -> StrippedParts {
         .collect();
     animations.truncate(1);
     for animation in animations {
-        keep(animation, &["channels", "name", "samplers"]);
-        items(animation, "samplers").for_each(|sampler| keep(sampler, &["input", "interpolation", "output"]));
         if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
             let all = channels.len();
             channels.retain(moves_a_node);
@@ -182,18 +214,11 @@ fn strip_animations(document: &mut Value) -> StrippedParts {
         }
         let named = |channel: &mut Value| channel.get("sampler").and_then(rules::whole);
         let used: HashSet<Option<u64>> = items(animation, "channels").map(named).collect();
-        let stand_in = items(animation, "samplers")
-            .zip(0..)
-            .find(|(_, at)| used.contains(&Some(*at)))
-            .map(|(sampler, _)| sampler.clone());
+        // What no channel uses is in nobody's way as a copy of what one uses.
+        let stand_in = items(animation, "samplers").zip(0..).find(|(_, at)| used.contains(&Some(*at)));
+        let stand_in = stand_in.map(|(sampler, _)| sampler.clone()).unwrap_or_default();
         for (sampler, _) in items(animation, "samplers").zip(0..).filter(|(_, at)| !used.contains(&Some(*at))) {
-            *sampler = stand_in.clone().unwrap_or_default();
-        }
-        for channel in items(animation, "channels") {
-            keep(channel, &["sampler", "target"]);
-            if let Some(target) = channel.get_mut("target") {
-                keep(target, &["node", "path"]);
-            }
+            *sampler = stand_in.clone();
         }
     }
     facts
@@ -207,51 +232,17 @@ fn moves_a_node(channel: &Value) -> bool {
     })
 }
 
-/// Returns whether a mesh is skinned.
-fn strip_nodes(document: &mut Value) -> bool {
-    let mut skinned = false;
-    for node in items(document, "nodes") {
-        keep(
-            node,
-            &["camera", "children", "matrix", "mesh", "name", "rotation", "scale", "skin", "translation", "weights"],
-        );
-        if node.get("mesh").is_some() {
-            skinned |= node.get("skin").is_some();
-        } else {
-            remove(node, "skin");
-            remove(node, "weights");
-        }
-    }
-    skinned
-}
-
-/// Joints and weights of vertices are kept where there are skins.
-fn strip_meshes(document: &mut Value, skinned: bool) -> Result<(), String> {
-    // Accessors whose data are in no buffer view.
-    let hollow: Vec<bool> = items(document, "accessors")
-        .map(|accessor| accessor.get("bufferView").is_none() && accessor.get("sparse").is_none())
-        .collect();
-    for (mesh_index, mesh) in items(document, "meshes").enumerate() {
-        keep(mesh, &["name", "primitives", "weights"]);
-        for (primitive_index, primitive) in items(mesh, "primitives").enumerate() {
-            let compressed = primitive
-                .get("extensions")
-                .is_some_and(|extensions| extensions.get("KHR_draco_mesh_compression").is_some());
-            keep(primitive, &["attributes", "indices", "material", "mode", "targets"]);
-            items(primitive, "targets").for_each(|target| keep(target, &["POSITION"]));
-            let Some(attributes) = primitive.get_mut("attributes") else {
-                continue;
-            };
-            if let Some(attributes) = attributes.as_object_mut() {
-                attributes.retain(|key, _| key == "POSITION" || (skinned && is_influence(key)));
-            }
-            let position = attributes.get("POSITION").and_then(Value::as_u64);
-            let is_hollow = position
-                .and_then(|index| usize::try_from(index).ok())
-                .and_then(|index| hollow.get(index))
-                .copied()
-                .unwrap_or(false);
-            if compressed && is_hollow {
+/// Refuses triangles that are in no buffer view, but compressed.
+fn check_compressed(document: &Value) -> Result<(), String> {
+    let accessors = document.get("accessors");
+    for (mesh_index, mesh) in listed(document, "meshes").enumerate() {
+        for (primitive_index, primitive) in listed(mesh, "primitives").enumerate() {
+            let compressed = primitive.get("extensions").and_then(|used| used.get("KHR_draco_mesh_compression"));
+            let position = primitive.get("attributes").and_then(|attributes| attributes.get("POSITION")?.as_u64());
+            let accessor = position.and_then(|index| accessors?.get(usize::try_from(index).ok()?));
+            let hollow =
+                accessor.is_some_and(|accessor| accessor.get("bufferView").or(accessor.get("sparse")).is_none());
+            if compressed.is_some() && hollow {
                 return Err(format!(
                     "meshes[{mesh_index}].primitives[{primitive_index}] has its triangles only in KHR_draco_mesh_compression, which is not supported: export the scene again without Draco compression"
                 ));
@@ -261,61 +252,25 @@ fn strip_meshes(document: &mut Value, skinned: bool) -> Result<(), String> {
     Ok(())
 }
 
-/// Keeps the factors. Where there is only the older specular-glossiness form, its diffuse colour and glossiness stand in.
-fn strip_material(material: &mut Value) {
-    let older = material
-        .get_mut("extensions")
-        .and_then(|extensions| extensions.get_mut("KHR_materials_pbrSpecularGlossiness"))
-        .map(Value::take);
-    keep(material, &["alphaMode", "extensions", "name", "pbrMetallicRoughness"]);
-    if let Some(extensions) = material.get_mut("extensions") {
-        keep(extensions, &["KHR_materials_ior", "KHR_materials_transmission"]);
-        for (name, factor) in [("KHR_materials_ior", "ior"), ("KHR_materials_transmission", "transmissionFactor")] {
-            extensions.get_mut(name).into_iter().for_each(|extension| keep(extension, &[factor]));
-        }
-    }
-    // Only told of.
-    if !matches!(material.get("alphaMode").and_then(Value::as_str), Some("OPAQUE" | "MASK" | "BLEND")) {
-        remove(material, "alphaMode");
-    }
-    let Some(object) = material.as_object_mut() else {
+/// Where a material has only the older specular-glossiness form, its diffuse colour and glossiness stand in.
+fn replace_older_form(material: &mut Value) {
+    let extension = |extensions: &mut Value| extensions.get_mut("KHR_materials_pbrSpecularGlossiness").map(Value::take);
+    let older = material.get_mut("extensions").and_then(extension);
+    let (Some(older), Some(object)) = (older, material.as_object_mut()) else {
         return;
     };
-    if let (Some(older), false) = (older, object.contains_key("pbrMetallicRoughness")) {
-        let glossiness = older.get("glossinessFactor").and_then(Value::as_f64);
-        let mut factors = gltf::json::serialize::to_value(std::collections::BTreeMap::from([
-            ("metallicFactor", 0.0),
-            ("roughnessFactor", 1.0 - glossiness.unwrap_or(1.0)),
-        ]))
-        .unwrap_or_default();
-        if let (Some(factors), Some(diffuse)) = (factors.as_object_mut(), older.get("diffuseFactor")) {
-            factors.insert("baseColorFactor".to_owned(), diffuse.clone());
+    object.entry("pbrMetallicRoughness").or_insert_with(|| {
+        let glossiness = older.get("glossinessFactor").and_then(Value::as_f64).unwrap_or(1.0);
+        let mut factors = serde_json::json!({ "metallicFactor": 0.0, "roughnessFactor": 1.0 - glossiness });
+        if let Some(diffuse) = older.get("diffuseFactor") {
+            factors["baseColorFactor"] = diffuse.clone();
         }
-        object.insert("pbrMetallicRoughness".to_owned(), factors);
-    }
-    if let Some(factors) = material.get_mut("pbrMetallicRoughness") {
-        keep(factors, &["baseColorFactor", "metallicFactor", "roughnessFactor"]);
-    }
+        factors
+    });
 }
 
-fn strip_data(document: &mut Value) {
-    for accessor in items(document, "accessors") {
-        keep(accessor, &["bufferView", "byteOffset", "componentType", "count", "name", "normalized", "sparse", "type"]);
-        if let Some(sparse) = accessor.get_mut("sparse") {
-            keep(sparse, &["count", "indices", "values"]);
-            for part in ["indices", "values"] {
-                if let Some(part) = sparse.get_mut(part) {
-                    keep(part, &["bufferView", "byteOffset", "componentType"]);
-                }
-            }
-        }
-    }
-    for view in items(document, "bufferViews") {
-        keep(view, &["buffer", "byteLength", "byteOffset", "byteStride", "name"]);
-    }
-    for buffer in items(document, "buffers") {
-        keep(buffer, &["byteLength", "name", "uri"]);
-    }
+fn listed<'a>(value: &'a Value, key: &str) -> impl Iterator<Item = &'a Value> + use<'a> {
+    value.get(key).and_then(Value::as_array).into_iter().flatten()
 }
 
 /// The elements of the array at `key`; none if there is no array.
@@ -337,9 +292,22 @@ fn remove(value: &mut Value, key: &str) {
     }
 }
 
-/// Keeps only `keys` of an object. A name that is no string is dropped, since nothing depends on it.
-fn keep(value: &mut Value, keys: &[&str]) {
-    if let Some(object) = value.as_object_mut() {
-        object.retain(|key, value| keys.contains(&key.as_str()) && (key != "name" || value.is_string()));
+/// Keeps only `keys` of the object at `path`, and of those in it what [`KEPT`] says.
+fn keep(value: &mut Value, keys: &[&str], path: &str) {
+    let Some(object) = value.as_object_mut() else {
+        return;
+    };
+    object.retain(|key, value| keys.contains(&key.as_str()) && (key != "name" || value.is_string()));
+    for (key, value) in object {
+        let dot = if path.is_empty() { "" } else { "." };
+        let (suffix, values) = match value {
+            Value::Array(values) => ("[]", values.as_mut_slice()),
+            Value::Object(_) => ("", std::slice::from_mut(value)),
+            _ => continue,
+        };
+        let path = format!("{path}{dot}{key}{suffix}");
+        if let Some((_, keys)) = KEPT.iter().find(|(kept, _)| *kept == path) {
+            values.iter_mut().for_each(|value| keep(value, keys, &path));
+        }
     }
 }
