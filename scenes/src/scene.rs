@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use glam::Vec3;
 use serde::Serialize;
 
 use crate::error::SceneError;
@@ -108,7 +109,11 @@ impl CameraPath {
             name: format!("path at {time_s} s"),
             eye: mix(from.eye, to.eye),
             target: mix(from.target, to.target),
-            up: if from.up == to.up { from.up } else { unit(mix(from.up, to.up)).unwrap_or(to.up) },
+            up: if from.up == to.up {
+                from.up
+            } else {
+                Vec3::from(mix(from.up, to.up)).try_normalize().map_or(to.up, Vec3::into)
+            },
             vertical_fov_radians: self.vertical_fov_radians,
         }
     }
@@ -334,10 +339,6 @@ impl Scene {
             bounds_max,
         }
     }
-}
-
-fn unit(vector: [f32; 3]) -> Option<[f32; 3]> {
-    glam::Vec3::from(vector).try_normalize().map(Into::into)
 }
 
 fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {

@@ -2,18 +2,10 @@
 
 use glam::{DVec3, dvec3};
 
+pub(super) use libm::{cos, sin, sqrt};
+
 /// A full turn in radians.
 pub(super) const TURN: f64 = std::f64::consts::TAU;
-
-/// Sine, the same on every machine.
-pub(super) fn sin(radians: f64) -> f64 {
-    libm::sin(radians)
-}
-
-/// Cosine, the same on every machine.
-pub(super) fn cos(radians: f64) -> f64 {
-    libm::cos(radians)
-}
 
 /// From `a` at 0 to `b` at 1.
 pub(super) fn mix(a: f64, b: f64, t: f64) -> f64 {
@@ -33,26 +25,26 @@ pub(super) fn bell(x: f64, width: f64) -> f64 {
 }
 
 /// A smooth curve through `knots` (abscissa increasing, ordinate); constant beyond the ends.
-pub(super) fn spline(knots: &[(f64, f64)], x: f64) -> f64 {
+pub(super) fn spline(knots: &[[f64; 2]], x: f64) -> f64 {
     let last = knots.len() - 1;
-    if x <= knots[0].0 {
-        return knots[0].1;
+    if x <= knots[0][0] {
+        return knots[0][1];
     }
-    if x >= knots[last].0 {
-        return knots[last].1;
+    if x >= knots[last][0] {
+        return knots[last][1];
     }
-    let right = knots.partition_point(|knot| knot.0 <= x).clamp(1, last);
+    let right = knots.partition_point(|knot| knot[0] <= x).clamp(1, last);
     let left = right - 1;
     let slope = |at: usize| {
         let (a, b) = (knots[at.saturating_sub(1)], knots[(at + 1).min(last)]);
-        (b.1 - a.1) / (b.0 - a.0)
+        (b[1] - a[1]) / (b[0] - a[0])
     };
-    let width = knots[right].0 - knots[left].0;
-    let t = (x - knots[left].0) / width;
+    let width = knots[right][0] - knots[left][0];
+    let t = (x - knots[left][0]) / width;
     let (t2, t3) = (t * t, t * t * t);
-    (2.0 * t3 - 3.0 * t2 + 1.0) * knots[left].1
+    (2.0 * t3 - 3.0 * t2 + 1.0) * knots[left][1]
         + (t3 - 2.0 * t2 + t) * width * slope(left)
-        + (3.0 * t2 - 2.0 * t3) * knots[right].1
+        + (3.0 * t2 - 2.0 * t3) * knots[right][1]
         + (t3 - t2) * width * slope(right)
 }
 
@@ -60,8 +52,8 @@ pub(super) fn spline(knots: &[(f64, f64)], x: f64) -> f64 {
 pub(super) fn curve(points: &[DVec3], t: f64) -> DVec3 {
     let axis = |axis: usize| -> f64 {
         let step = 1.0 / (points.len() - 1) as f64;
-        let knots: Vec<(f64, f64)> =
-            points.iter().enumerate().map(|(number, point)| (number as f64 * step, point[axis])).collect();
+        let knots: Vec<[f64; 2]> =
+            points.iter().enumerate().map(|(number, point)| [number as f64 * step, point[axis]]).collect();
         spline(&knots, t)
     };
     dvec3(axis(0), axis(1), axis(2))
@@ -85,23 +77,26 @@ impl Frame {
 
     /// Turned about its own y axis, counter-clockwise seen from above.
     pub(super) fn yaw(self, radians: f64) -> Self {
-        let (s, c) = (sin(radians), cos(radians));
-        let [x, y, z] = self.axes;
-        Self { axes: [x * c - z * s, y, x * s + z * c], ..self }
+        self.turned(2, 0, radians)
     }
 
     /// Turned about its own z axis.
     pub(super) fn roll(self, radians: f64) -> Self {
-        let (s, c) = (sin(radians), cos(radians));
-        let [x, y, z] = self.axes;
-        Self { axes: [x * c + y * s, y * c - x * s, z], ..self }
+        self.turned(0, 1, radians)
     }
 
     /// Turned about its own x axis.
     pub(super) fn pitch(self, radians: f64) -> Self {
+        self.turned(1, 2, radians)
+    }
+
+    /// Turned from one of its own axes towards another.
+    fn turned(mut self, from: usize, to: usize, radians: f64) -> Self {
         let (s, c) = (sin(radians), cos(radians));
-        let [x, y, z] = self.axes;
-        Self { axes: [x, y * c + z * s, z * c - y * s], ..self }
+        let (first, second) = (self.axes[from], self.axes[to]);
+        self.axes[from] = first * c + second * s;
+        self.axes[to] = second * c - first * s;
+        self
     }
 
     /// Moved to `from`, with the y axis towards `to` and the x axis on the side of `side`, all given in this frame.
@@ -122,6 +117,11 @@ impl Frame {
     pub(super) fn place(&self, point: DVec3) -> DVec3 {
         self.origin + self.axes[0] * point.x + self.axes[1] * point.y + self.axes[2] * point.z
     }
+}
+
+/// The horizontal directions of `count` spokes.
+pub(super) fn spokes(count: usize) -> impl Iterator<Item = DVec3> {
+    (0..count).map(move |at| TURN * at as f64 / count as f64).map(|angle| dvec3(cos(angle), 0.0, sin(angle)))
 }
 
 /// A small seeded generator (SplitMix64).
@@ -147,8 +147,8 @@ mod tests {
     /// Proves that the spline goes through its knots and does not jump between them.
     #[test]
     fn spline_interpolates() {
-        let knots = [(0.0, 1.0), (0.5, 3.0), (0.7, 2.0), (1.0, 0.0)];
-        for (x, y) in knots {
+        let knots = [[0.0, 1.0], [0.5, 3.0], [0.7, 2.0], [1.0, 0.0]];
+        for [x, y] in knots {
             assert!((spline(&knots, x) - y).abs() < 1e-12);
         }
         let mut last = spline(&knots, -1.0);

@@ -1,9 +1,15 @@
-//! Closed parts that several scenes are built from, all seen from outside: beams, lattices, chains, barrels, crates.
+//! Closed parts that several scenes are built from, all seen from outside: beams, lattices, chains, barrels, crates, borders, hanging cloth.
+//!
+//! Divisions are those at scale 1, as of shapes.
 
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::builder::{Ends, MaterialId, MeshBuilder};
-use super::math::{TURN, cos, sin};
+use super::math::{TURN, cos, sin, spokes};
+use super::shapes::line;
+
+/// Signs of the corners of a square along x and z, once around.
+pub(super) const CORNERS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
 
 impl MeshBuilder {
     /// A straight beam of rectangular section; `half` is half its size on the side of `side` and square to it.
@@ -15,11 +21,8 @@ impl MeshBuilder {
         half: [f64; 2],
         side: DVec3,
     ) {
-        let frame = self.frame;
-        self.frame = frame.span(from, to, side);
-        let length = (to - from).length();
-        self.cuboid(material, dvec3(-half[0], 0.0, -half[1]), dvec3(half[0], length, half[1]), [across, along, across]);
-        self.frame = frame;
+        let (min, max) = (dvec3(-half[0], 0.0, -half[1]), dvec3(half[0], (to - from).length(), half[1]));
+        self.within(self.frame.span(from, to, side), |here| here.cuboid(material, min, max, [across, along, across]));
     }
 
     /// Oblique rods that run to and fro between two lines, `panels` times there and back.
@@ -31,11 +34,10 @@ impl MeshBuilder {
         panels: usize,
         radius: f64,
     ) {
-        let on = |line: [DVec3; 2], t: f64| line[0] + (line[1] - line[0]) * t;
         for at in 0..2 * panels {
             let [t0, t1] = [at, at + 1].map(|end| end as f64 / (2 * panels) as f64);
-            let ends = if at % 2 == 0 { [on(first, t0), on(second, t1)] } else { [on(second, t0), on(first, t1)] };
-            self.rod(material, divisions, ends, radius);
+            let (from, to) = if at % 2 == 0 { (first, second) } else { (second, first) };
+            self.rod(material, divisions, [line(from)(t0), line(to)(t1)], radius);
         }
     }
 
@@ -43,28 +45,28 @@ impl MeshBuilder {
     pub(super) fn girder(
         &mut self,
         material: MaterialId,
-        divisions: [usize; 2],
+        [around, along]: [usize; 2],
         [from, to]: [DVec3; 2],
         half: f64,
         panels: usize,
     ) {
-        let frame = self.frame;
-        self.frame = frame.span(from, to, DVec3::Y);
         let length = (to - from).length();
         let corner = |x: f64, z: f64| [dvec3(x * half, 0.0, z * half), dvec3(x * half, length, z * half)];
-        let around = [corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0), corner(-1.0, 1.0)];
-        for at in 0..4 {
-            self.rod(material, [divisions[0], divisions[1] * 2], around[at], half * 0.13);
-            self.zigzag(material, divisions, [around[at], around[(at + 1) % 4]], panels, half * 0.07);
-        }
-        self.frame = frame;
+        let chords = [corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0), corner(-1.0, 1.0)];
+        self.within(self.frame.span(from, to, DVec3::Y), |here| {
+            let chord = [here.around(around), 2 * here.along(along)];
+            for at in 0..4 {
+                here.sweep(material, chord, None, line(chords[at]), |_| DVec2::splat(half * 0.13));
+                here.zigzag(material, [around, along], [chords[at], chords[(at + 1) % 4]], panels, half * 0.07);
+            }
+        });
     }
 
     /// A chain of oval links of the given pitch and wire radius between two points, sagging by `sag` in the middle.
     pub(super) fn chain(
         &mut self,
         material: MaterialId,
-        divisions: [usize; 2],
+        divisions: [usize; 3],
         [from, to]: [DVec3; 2],
         sag: f64,
         [pitch, wire]: [f64; 2],
@@ -72,16 +74,13 @@ impl MeshBuilder {
         let path = |t: f64| from + (to - from) * t - DVec3::Y * (4.0 * sag * t * (1.0 - t));
         let length = (to - from).length() + 2.0 * sag * sag / (to - from).length();
         let links = (libm::round(length / pitch) as usize).max(1);
-        let frame = self.frame;
         for link in 0..links {
             let [start, end] = [link, link + 1].map(|at| path(at as f64 / links as f64));
             let side = if link % 2 == 0 { dvec3(0.7, 0.0, 0.3) } else { dvec3(-0.3, 0.0, 0.7) };
-            self.frame = frame.span(start, end, side);
             let half = (end - start).length() / 2.0;
             let oval = |t: f64| dvec3(2.6 * wire * cos(TURN * t), half + (half + wire) * sin(TURN * t), 0.0);
-            self.loop_tube(material, divisions, oval, wire);
+            self.within(self.frame.span(start, end, side), |here| here.loop_tube(material, divisions, oval, wire));
         }
-        self.frame = frame;
     }
 
     /// A wooden barrel standing on the frame's origin, open at the top or with a lid, with iron hoops.
@@ -90,38 +89,30 @@ impl MeshBuilder {
         let rows = 10;
         let mut knots = vec![[0.0, 0.0]];
         knots.extend((0..=rows).map(|row| f64::from(row) / f64::from(rows)).map(|up| [at(up), up * height]));
+        knots.push([at(1.0) - 0.08 * radius, height]);
         if open {
-            knots.push([at(1.0) - 0.08 * radius, height]);
-            knots.push([at(0.5) - 0.08 * radius, 0.5 * height]);
-            knots.push([at(0.05) - 0.08 * radius, 0.05 * height]);
+            knots.extend([0.5, 0.05].map(|up| [at(up) - 0.08 * radius, up * height]));
             knots.push([0.0, 0.05 * height]);
         } else {
-            knots.push([at(1.0) - 0.08 * radius, height]);
             knots.push([at(1.0) - 0.09 * radius, 0.96 * height]);
             knots.push([0.0, 0.96 * height]);
         }
-        self.revolve_straight(staves, self.round(20, 1), &knots);
+        self.revolve_straight(staves, [20, 1], &knots);
         for up in [0.08, 0.3, 0.7, 0.92] {
             let (low, high) = (up - 0.025, up + 0.025);
-            let band = outline(
-                &[
-                    dvec2(at(low) - 0.03 * radius, low * height),
-                    dvec2(at(low) + 0.02 * radius, low * height),
-                    dvec2(at(high) + 0.02 * radius, high * height),
-                    dvec2(at(high) - 0.03 * radius, high * height),
-                ],
-                &[self.along(1)],
-            );
-            self.hoop(iron, self.around(20), &band);
+            let edge = |up: f64, out: f64| [at(up) + out * radius, up * height];
+            self.hoop(iron, 20, &[edge(low, -0.03), edge(low, 0.02), edge(high, 0.02), edge(high, -0.03)], &[1]);
         }
     }
 
-    /// A section (radius, height) that runs counter-clockwise, turned about the y axis without touching it.
-    pub(super) fn hoop(&mut self, material: MaterialId, around: usize, section: &[DVec2]) {
-        self.rings(material, around, section.len(), &Ends::Looped, |ring, at| {
+    /// An outline (radius, height) that runs counter-clockwise, turned about the y axis without touching it.
+    pub(super) fn hoop(&mut self, material: MaterialId, around: usize, corners: &[[f64; 2]], divisions: &[usize]) {
+        let around = self.around(around);
+        let mut section = self.outline(corners, divisions);
+        section.reverse();
+        self.rings(material, [around, section.len()], Ends::Looped, |ring, at| {
             let angle = TURN * ring as f64 / around as f64;
-            let DVec2 { x: radius, y } = section[section.len() - 1 - at];
-            dvec3(radius * cos(angle), y, -radius * sin(angle))
+            dvec3(section[at].x * cos(angle), section[at].y, -section[at].x * sin(angle))
         });
     }
 
@@ -129,11 +120,11 @@ impl MeshBuilder {
     pub(super) fn ladder(&mut self, material: MaterialId, [from, to]: [DVec3; 2], side: DVec3, rungs: usize) {
         let radius = 0.035 * side.length() * 2.0;
         for face in [-1.0, 1.0] {
-            self.rod(material, self.round(8, 10), [from + side * face, to + side * face], radius);
+            self.rod(material, [8, 10], [from + side * face, to + side * face], radius);
         }
         for rung in 0..rungs {
-            let middle = from + (to - from) * ((rung as f64 + 0.5) / rungs as f64);
-            self.rod(material, self.round(6, 4), [middle - side, middle + side], radius * 0.7);
+            let middle = line([from, to])((rung as f64 + 0.5) / rungs as f64);
+            self.rod(material, [6, 4], [middle - side, middle + side], radius * 0.7);
         }
     }
 
@@ -142,46 +133,79 @@ impl MeshBuilder {
         let half = size / 2.0;
         let thick = 0.03 * size.y;
         let wide = 0.07 * size.y;
-        let [fine, along] = self.sides([1, 2]);
         let inset = dvec3(thick, 0.0, thick);
-        self.cuboid(
-            core,
-            dvec3(-half.x, 0.002, -half.z) + inset,
-            dvec3(half.x, size.y - thick, half.z) - inset,
-            [along, along, along],
-        );
-        for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        let (min, max) = (dvec3(-half.x, 0.002, -half.z), dvec3(half.x, size.y - thick, half.z));
+        self.cuboid(core, min + inset, max - inset, [2, 2, 2]);
+        for (x, z) in CORNERS {
             let middle = dvec3(x * (half.x - wide), 0.0, z * (half.z - wide));
             let reach = dvec3(wide, 0.0, wide);
-            self.cuboid(board, middle - reach, middle + reach + DVec3::Y * size.y, [fine, along, fine]);
+            self.cuboid(board, middle - reach, middle + reach + DVec3::Y * size.y, [1, 2, 1]);
         }
         // The oblique boards are thinner, so that their faces do not lie in those of the others.
         let lean = 0.5 * size.y - 2.0 * wide;
+        let (low, high) = (size.y / 2.0 - lean, size.y / 2.0 + lean);
         for face in [-1.0, 1.0] {
             let z = face * (half.z - 0.6 * thick);
-            for (low, high, deep) in [
-                (wide, wide, 0.5 * thick),
-                (size.y - wide, size.y - wide, 0.5 * thick),
-                (size.y / 2.0 - lean, size.y / 2.0 + lean, 0.42 * thick),
-            ] {
-                let ends = [dvec3(-half.x + wide, low, z), dvec3(half.x - wide, high, z)];
-                self.beam(board, [fine, along], ends, [0.6 * wide, deep], DVec3::Y);
+            for (from, to, deep) in [(wide, wide, 0.5), (size.y - wide, size.y - wide, 0.5), (low, high, 0.42)] {
+                let ends = [dvec3(-half.x + wide, from, z), dvec3(half.x - wide, to, z)];
+                self.beam(board, [1, 2], ends, [0.6 * wide, deep * thick], DVec3::Y);
             }
             let x = face * (half.x - 0.6 * thick);
-            let (low, high) = (size.y / 2.0 - lean, size.y / 2.0 + lean);
             let ends = [dvec3(x, high, -half.z + wide), dvec3(x, low, half.z - wide)];
-            self.beam(board, [fine, along], ends, [0.6 * wide, 0.45 * thick], DVec3::Y);
+            self.beam(board, [1, 2], ends, [0.6 * wide, 0.45 * thick], DVec3::Y);
         }
     }
-}
 
-/// The points of a closed outline through `corners`, the side after each divided as said.
-pub(super) fn outline(corners: &[DVec2], divisions: &[usize]) -> Vec<DVec2> {
-    let mut points = Vec::new();
-    for (at, &from) in corners.iter().enumerate() {
-        let to = corners[(at + 1) % corners.len()];
-        let divisions = divisions[at % divisions.len()];
-        points.extend((0..divisions).map(|step| from + (to - from) * (step as f64 / divisions as f64)));
+    /// A frame of rectangular section around the y axis with mitred corners: half sizes along x and z of its inner and
+    /// its outer outline, and its range of heights. `divisions` are those of a side, of its width and of its height.
+    pub(super) fn border(
+        &mut self,
+        material: MaterialId,
+        [side, width, height]: [usize; 3],
+        [inner, outer]: [DVec2; 2],
+        [bottom, top]: [f64; 2],
+    ) {
+        let side = self.along(side);
+        let section = self.outline(&[[0.0, top], [1.0, top], [1.0, bottom], [0.0, bottom]], &[width, height]);
+        self.rings(material, [4 * side, section.len()], Ends::Looped, |ring, at| {
+            let corner = |number: usize| {
+                let half = inner + (outer - inner) * section[at].x;
+                [half, dvec2(half.x, -half.y), -half, dvec2(-half.x, half.y)][number % 4]
+            };
+            let (from, to) = (corner(ring / side), corner(ring / side + 1));
+            let flat = from + (to - from) * ((ring % side) as f64 / side as f64);
+            dvec3(flat.x, section[at].y, flat.y)
+        });
     }
-    points
+
+    /// A thin hanging cloth: each ring runs along its front and back along its back. `point` takes shares of the height and the width, and how far
+    /// the face is off the middle, which is `thick` at most.
+    pub(super) fn cloth(
+        &mut self,
+        material: MaterialId,
+        [half, rows]: [[usize; 2]; 2],
+        thick: f64,
+        point: impl Fn(f64, f64, f64) -> DVec3,
+    ) {
+        let [half, rows] = [half, rows].map(|[base, least]| self.divide(base, least));
+        self.rings(material, [rows + 1, 2 * half], Ends::Pressed, |row, at| {
+            let share = at as f64 / half as f64;
+            let (along, face) = if at <= half { (share, 1.0) } else { (2.0 - share, -1.0) };
+            // Front and back meet at the tips.
+            let off = thick * libm::sqrt((4.0 * along * (1.0 - along)).max(0.0)) * face;
+            point(row as f64 / rows as f64, along, off)
+        });
+    }
+
+    /// A spoked wheel around the frame's y axis: rim, spokes and hub.
+    pub(super) fn wheel(&mut self, [rim, hub]: [MaterialId; 2], [radius, thick]: [f64; 2], spoke_count: usize) {
+        self.torus(rim, [10, 36, 3], DVec3::ZERO, [radius - thick, thick]);
+        let width = thick * 2.2;
+        let profile =
+            [[0.0, -width], [0.17 * radius, -width], [0.2 * radius, 0.0], [0.17 * radius, width], [0.0, width]];
+        self.revolve_straight(hub, [16, 2], &profile);
+        for out in spokes(spoke_count) {
+            self.rod(rim, [8, 4], [out * (0.12 * radius), out * (radius - thick)], thick * 0.5);
+        }
+    }
 }

@@ -1,14 +1,17 @@
 //! Closed shapes that scenes are furnished with, all seen from outside.
+//!
+//! Their divisions are those at scale 1: around and along what is round or bent, with the least that may be left of the latter where it is
+//! given; along x, y and z of a box.
 
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
-use super::builder::{Ends, MaterialId, MeshBuilder};
+use super::builder::{Ends, MaterialId, MeshBuilder, Paint};
 use super::math::{TURN, cos, curve, mix, sin};
 
 impl MeshBuilder {
-    /// A box with its faces divided along x, y and z.
+    /// A box; divisions of 0 leave its sides whole at every scale.
     pub(super) fn cuboid(&mut self, material: MaterialId, min: DVec3, max: DVec3, divisions: [usize; 3]) {
-        let axes = [0, 1, 2].map(|axis| steps(min[axis], max[axis], divisions[axis]));
+        let axes = [0, 1, 2].map(|axis| steps(min[axis], max[axis], self.along(divisions[axis])));
         for axis in 0..3 {
             // (u, v, axis) is a right-handed cycle, so u x v points along +axis.
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -21,65 +24,67 @@ impl MeshBuilder {
                     point
                 }
             };
-            self.sheet(material, &axes[u], &axes[v], point(max[axis]), |_, _| false);
+            self.sheet(material, &axes[u], &axes[v], point(max[axis]));
             let low = point(min[axis]);
-            self.sheet(material, &axes[v], &axes[u], |on_v, on_u| low(on_u, on_v), |_, _| false);
+            self.sheet(material, &axes[v], &axes[u], |on_v, on_u| low(on_u, on_v));
         }
     }
 
-    /// A box without divisions.
-    pub(super) fn plain_box(&mut self, material: MaterialId, min: DVec3, max: DVec3) {
-        self.cuboid(material, min, max, [1, 1, 1]);
+    /// A profile (radius, height) turned about the y axis. It starts and ends on the axis, which gives closed shapes; going up on the outside and down
+    /// on the inside makes a vessel.
+    pub(super) fn revolve(&mut self, material: MaterialId, around: usize, profile: &[DVec2]) {
+        self.lathe(material, self.around(around), profile);
     }
 
-    /// A profile (radius, height) turned about the y axis. It starts and ends on the axis, which gives closed shapes;
-    /// going up on the outside and down on the inside makes a vessel.
-    pub(super) fn revolve(&mut self, material: MaterialId, around: usize, profile: &[DVec2]) {
+    /// As [`Self::revolve`], in as many steps as it says.
+    pub(super) fn lathe(&mut self, material: MaterialId, around: usize, profile: &[DVec2]) {
         let [first, rings @ .., last] = profile else {
             return;
         };
-        self.rings(material, rings.len(), around, &Ends::Closed(first.y * DVec3::Y, last.y * DVec3::Y), |ring, at| {
-            let angle = TURN * at as f64 / around as f64;
+        let ends = Ends::Closed(first.y * DVec3::Y, last.y * DVec3::Y);
+        self.turned(material, [rings.len(), around], ends, |ring, angle| {
             let DVec2 { x: radius, y } = rings[ring];
             dvec3(radius * cos(angle), y, -radius * sin(angle))
         });
     }
 
-    /// [`Self::revolve`] of a [`smooth_profile`]; `divisions` are those around and along it.
-    pub(super) fn revolve_smooth(&mut self, material: MaterialId, divisions: [usize; 2], knots: &[[f64; 2]]) {
-        self.revolve(material, divisions[0], &smooth_profile(knots, divisions[1]));
+    /// [`Self::revolve`] of a [`smooth_profile`].
+    pub(super) fn revolve_smooth(
+        &mut self,
+        material: MaterialId,
+        [around, along, least]: [usize; 3],
+        knots: &[[f64; 2]],
+    ) {
+        self.revolve(material, around, &smooth_profile(knots, self.divide(along, least)));
     }
 
-    /// [`Self::revolve`] of a [`straight_profile`]; `divisions` are those around and along each line.
-    pub(super) fn revolve_straight(&mut self, material: MaterialId, divisions: [usize; 2], knots: &[[f64; 2]]) {
-        self.revolve(material, divisions[0], &straight_profile(knots, divisions[1]));
+    /// [`Self::revolve`] of a [`straight_profile`]; divisions are those along each line.
+    pub(super) fn revolve_straight(&mut self, material: MaterialId, [around, along]: [usize; 2], knots: &[[f64; 2]]) {
+        self.revolve(material, around, &straight_profile(knots, self.along(along)));
     }
 
     /// A ball around the frame's point `center`.
     pub(super) fn ball(&mut self, material: MaterialId, center: DVec3, radius: f64, around: usize) {
+        let around = self.around(around);
         let profile = half_circle(radius, around);
-        let frame = self.frame;
-        self.frame = frame.shift(center);
-        self.revolve(material, around, &profile);
-        self.frame = frame;
+        self.within(self.frame.shift(center), |here| here.lathe(material, around, &profile));
     }
 
-    /// A ball around the frame's point `center` that is seen from inside: the void in something hollow.
+    /// A ball that is seen from inside: the void in something hollow.
     pub(super) fn void(&mut self, material: MaterialId, center: DVec3, radius: f64, around: usize) {
+        let around = self.around(around);
         let mut profile = half_circle(radius, around);
         profile.reverse();
-        let frame = self.frame;
-        self.frame = frame.shift(center);
-        self.revolve(material, around, &profile);
-        self.frame = frame;
+        self.within(self.frame.shift(center), |here| here.lathe(material, around, &profile));
     }
 
     /// An ellipsoid around the frame's point `center`.
     pub(super) fn ellipsoid(&mut self, material: MaterialId, center: DVec3, half: DVec3, around: usize) {
+        let around = self.around(around);
         let rows = (around / 2).max(2);
         let ends = Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y);
-        self.rings(material, rows - 1, around, &ends, |ring, at| {
-            let (up, angle) = (TURN / 2.0 * (ring + 1) as f64 / rows as f64, TURN * at as f64 / around as f64);
+        self.turned(material, [rows - 1, around], ends, |ring, angle| {
+            let up = TURN / 2.0 * (ring + 1) as f64 / rows as f64;
             center + half * dvec3(sin(up) * cos(angle), -cos(up), -sin(up) * sin(angle))
         });
     }
@@ -88,16 +93,16 @@ impl MeshBuilder {
     pub(super) fn tube(
         &mut self,
         material: MaterialId,
-        [around, along]: [usize; 2],
+        divisions: [usize; 3],
         path: impl Fn(f64) -> DVec3,
         radius: impl Fn(f64) -> f64,
     ) {
-        self.ribbon(material, [around, along], None, path, |t| DVec2::splat(radius(t)));
+        self.ribbon(material, divisions, None, path, |t| DVec2::splat(radius(t)));
     }
 
     /// A straight rod.
-    pub(super) fn rod(&mut self, material: MaterialId, divisions: [usize; 2], [from, to]: [DVec3; 2], radius: f64) {
-        self.tube(material, divisions, |t| from + (to - from) * t, |_| radius);
+    pub(super) fn rod(&mut self, material: MaterialId, [around, along]: [usize; 2], ends: [DVec3; 2], radius: f64) {
+        self.tube(material, [around, along, 1], line(ends), |_| radius);
     }
 
     /// A tube with an elliptic cross-section: `size` gives the half axes, the first across the path on the side of
@@ -105,18 +110,18 @@ impl MeshBuilder {
     pub(super) fn ribbon(
         &mut self,
         material: MaterialId,
-        [around, along]: [usize; 2],
+        [around, along, least]: [usize; 3],
         side: Option<DVec3>,
         path: impl Fn(f64) -> DVec3,
         size: impl Fn(f64) -> DVec2,
     ) {
-        self.striped_ribbon(|_, _| material, [around, along], side, path, size);
+        self.sweep(material, [self.around(around), self.divide(along, least)], side, path, size);
     }
 
-    /// As [`Self::ribbon`], with the material of the cell that begins at a ring and a point.
-    pub(super) fn striped_ribbon(
+    /// As [`Self::ribbon`], in as many steps as it says.
+    pub(super) fn sweep(
         &mut self,
-        material: impl Fn(usize, usize) -> MaterialId,
+        paint: impl Paint,
         [around, along]: [usize; 2],
         side: Option<DVec3>,
         path: impl Fn(f64) -> DVec3,
@@ -124,8 +129,8 @@ impl MeshBuilder {
     ) {
         let points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
         let frames = carry(&points, false, side);
-        self.striped_rings(material, points.len(), around, &Ends::Closed(points[0], points[along]), |ring, at| {
-            let angle = TURN * at as f64 / around as f64;
+        let ends = Ends::Closed(points[0], points[along]);
+        self.turned(paint, [points.len(), around], ends, |ring, angle| {
             let half = size(ring as f64 / along as f64);
             let (across, square) = frames[ring];
             points[ring] + across * (half.x * cos(angle)) + square * (half.y * sin(angle))
@@ -136,10 +141,11 @@ impl MeshBuilder {
     pub(super) fn loop_tube(
         &mut self,
         material: MaterialId,
-        [around, along]: [usize; 2],
+        [around, along, least]: [usize; 3],
         path: impl Fn(f64) -> DVec3,
         radius: f64,
     ) {
+        let [around, along] = [self.around(around), self.divide(along, least)];
         let mut points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
         points.pop();
         let frames = carry(&points, true, None);
@@ -148,9 +154,8 @@ impl MeshBuilder {
         let (across, square) = frames[along - 1];
         let back = (across - tangent * across.dot(tangent)).normalize_or(square);
         let turned = libm::atan2(back.dot(frames[0].1), back.dot(frames[0].0));
-        self.rings(material, along, around, &Ends::Looped, |ring, at| {
-            let share = ring as f64 / along as f64;
-            let angle = TURN * at as f64 / around as f64 - turned * share;
+        self.turned(material, [along, around], Ends::Looped, |ring, angle| {
+            let angle = angle - turned * (ring as f64 / along as f64);
             let (across, square) = frames[ring];
             points[ring] + (across * cos(angle) + square * sin(angle)) * radius
         });
@@ -160,7 +165,7 @@ impl MeshBuilder {
     pub(super) fn torus(
         &mut self,
         material: MaterialId,
-        divisions: [usize; 2],
+        divisions: [usize; 3],
         center: DVec3,
         [large, small]: [f64; 2],
     ) {
@@ -172,28 +177,38 @@ impl MeshBuilder {
     pub(super) fn slab(
         &mut self,
         material: MaterialId,
-        [around, edge]: [usize; 2],
+        [around, edge, least]: [usize; 3],
         center: DVec3,
         half: DVec3,
         square: f64,
     ) {
+        let [around, edge] = [self.around(around), self.divide(edge, least)];
         let bend = half.y.min(half.x).min(half.z);
-        let outline = |angle: f64, inset: f64| {
-            let power = |x: f64| libm::copysign(libm::pow(x.abs(), 2.0 / square), x);
-            dvec2((half.x - inset) * power(cos(angle)), -(half.z - inset) * power(sin(angle)))
-        };
-        self.rings(
-            material,
-            edge + 1,
-            around,
-            &Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y),
-            |ring, at| {
-                let bow = TURN / 2.0 * (ring as f64 / edge as f64 - 0.5);
-                let flat = outline(TURN * at as f64 / around as f64, bend * (1.0 - cos(bow)));
-                center + dvec3(flat.x, half.y * sin(bow), flat.y)
-            },
-        );
+        let power = |x: f64| libm::copysign(libm::pow(x.abs(), 2.0 / square), x);
+        let ends = Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y);
+        self.turned(material, [edge + 1, around], ends, |ring, angle| {
+            let bow = TURN / 2.0 * (ring as f64 / edge as f64 - 0.5);
+            let inset = bend * (1.0 - cos(bow));
+            let (x, z) = ((half.x - inset) * power(cos(angle)), -(half.z - inset) * power(sin(angle)));
+            center + dvec3(x, half.y * sin(bow), z)
+        });
     }
+
+    /// The points of a closed outline through `corners`, the side after each divided as said, in turns.
+    pub(super) fn outline(&self, corners: &[[f64; 2]], divisions: &[usize]) -> Vec<DVec2> {
+        let mut points = Vec::new();
+        for (at, &from) in corners.iter().enumerate() {
+            let [from, to] = [from, corners[(at + 1) % corners.len()]].map(DVec2::from_array);
+            let divisions = self.along(divisions[at % divisions.len()]);
+            points.extend((0..divisions).map(|step| from + (to - from) * (step as f64 / divisions as f64)));
+        }
+        points
+    }
+}
+
+/// A straight way between two points.
+pub(super) fn line([from, to]: [DVec3; 2]) -> impl Fn(f64) -> DVec3 {
+    move |t| from + (to - from) * t
 }
 
 /// `divisions + 1` numbers from `from` to `to`, evenly spread, both exact.
@@ -254,4 +269,9 @@ fn carry(points: &[DVec3], looped: bool, side: Option<DVec3>) -> Vec<(DVec3, DVe
         frames.push((across, tangent.cross(across)));
     }
     frames
+}
+
+/// Knots of a profile from its radii and heights, or of a spline from abscissae and ordinates.
+pub(super) fn knots<const N: usize>(across: [f64; N], up: [f64; N]) -> [[f64; 2]; N] {
+    std::array::from_fn(|at| [across[at], up[at]])
 }

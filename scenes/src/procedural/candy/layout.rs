@@ -1,8 +1,7 @@
 //! Where things stand: scattered, but apart from each other and from the viewpoints.
 
-use super::GROUND;
-use crate::procedural::NamedPose;
-use crate::procedural::math::Random;
+use super::*;
+use crate::catalogue::Pose;
 
 /// Circles on the ground that are taken.
 pub(super) struct Layout {
@@ -12,10 +11,10 @@ pub(super) struct Layout {
 
 impl Layout {
     /// With free space around the eyes of viewpoints, and little things only right before them.
-    pub(super) fn around(viewpoints: &[NamedPose]) -> Self {
+    pub(super) fn around(viewpoints: &[Pose]) -> Self {
         let mut taken = Vec::new();
-        for (_, eye, target) in viewpoints {
-            let [eye, target] = [eye, target].map(|point| point.map(f64::from));
+        for viewpoint in viewpoints {
+            let [eye, target] = [viewpoint.eye, viewpoint.target].map(|point| point.map(f64::from));
             for (share, radius) in [(0.0, 0.35), (0.2, 0.22)] {
                 let at = [0, 2].map(|axis| eye[axis] + (target[axis] - eye[axis]) * share);
                 taken.push((at, radius));
@@ -31,7 +30,7 @@ impl Layout {
 
     /// A free place for a circle, at distances of the middle within a range, in metres.
     pub(super) fn spot(&mut self, radius: f64, [from, to]: [f64; 2]) -> [f64; 2] {
-        let to = to.min(GROUND - 0.3 - radius);
+        let to = to.min(GROUND_RADIUS - 0.3 - radius);
         let mut at = [0.0; 2];
         // Where everything is full, the last try stands: things may then overlap.
         for _ in 0..400 {

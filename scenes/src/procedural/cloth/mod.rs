@@ -3,55 +3,47 @@
 //! A stand-in for the cloth animations that ray tracers of moving scenes are measured on (UNC's cloth over a ball has
 //! 92 thousand triangles): one sheet that folds and moves everywhere at once, so that nothing of a structure can be
 //! kept. The motion is simulated on a coarse grid, always from the start, and divided smoothly, so that every scale
-//! moves alike.
+//! moves alike. Viewpoints stand where the cloth never comes.
 
 mod simulation;
 
-use glam::{DVec3, dvec3};
+use super::prelude::*;
 
 use self::simulation::{BALL, Cloth, RADIUS, SIDE, THICKNESS, ball_turn};
-use super::builder::MeshBuilder;
-use super::math::{Frame, TURN, cos, sin};
-use super::shapes::steps;
-use super::{Built, NamedPose, cameras, path};
 
-/// Triangles at scale 1, held by a test.
-pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 92_608;
 /// Length of the animation in seconds.
 pub(crate) const DURATION_S: f64 = 3.0;
 
-/// Half the side of the floor, in metres.
-const FLOOR: f64 = 3.0;
+palette! {
+    FLOOR: [0.42, 0.4, 0.38], 0.0, 0.8;
+    MIRROR: [0.9, 0.88, 0.84], 1.0, 0.03;
+    CLOTH: [0.62, 0.12, 0.14], 0.0, 0.9;
+}
 
 /// Builds the scene with about `scale` times its triangles at scale 1, at a time in seconds.
-pub(crate) fn build(scale: f64, time_s: f64) -> Built {
-    let mut builder = MeshBuilder::new(scale);
-    let floor = builder.material([0.42, 0.4, 0.38], 0.0, 0.8);
-    let ball = builder.material([0.9, 0.88, 0.84], 1.0, 0.03);
-    let cloth = builder.material([0.62, 0.12, 0.14], 0.0, 0.9);
-
+pub(crate) fn build(scale: f64, time_s: f64) -> Mesh {
+    let mut builder = MeshBuilder::new(scale, PALETTE);
     builder.object("floor");
-    let lines = steps(-FLOOR, FLOOR, builder.along(98));
+    let lines = steps(-3.0, 3.0, builder.along(98));
     // Swapped, so that the upper side is its front.
-    builder.sheet(floor, &lines, &lines, |z, x| dvec3(x, 0.0, z), |_, _| false);
+    builder.sheet(FLOOR, &lines, &lines, |z, x| dvec3(x, 0.0, z));
 
-    builder.object("ball");
-    builder.frame = Frame::at(BALL).yaw(ball_turn(time_s));
+    builder.object_at("ball", Frame::at(BALL).yaw(ball_turn(time_s)));
     let around = builder.around(108);
     let rows = (around / 2).max(2);
-    let profile: Vec<[f64; 2]> = (0..=rows)
+    let knots: Vec<[f64; 2]> = (0..=rows)
         .map(|row| {
             let angle = TURN / 2.0 * row as f64 / rows as f64;
             [if row % rows == 0 { 0.0 } else { RADIUS * sin(angle) }, -RADIUS * cos(angle)]
         })
         .collect();
-    builder.revolve_straight(ball, [around, 1], &profile);
+    builder.lathe(MIRROR, around, &straight_profile(&knots, 1));
 
     builder.object("cloth");
     let state = Cloth::at(time_s);
     let shares = steps(0.0, 1.0, builder.along(176));
-    builder.sheet(cloth, &shares, &shares, |v, u| outside(state.point(u, v)), |_, _| false);
-    Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
+    builder.sheet(CLOTH, &shares, &shares, |v, u| outside(state.point(u, v)));
+    builder.finish()
 }
 
 /// The point, moved out of the ball and the floor by the little that smoothing may have pushed it in.
@@ -62,24 +54,6 @@ fn outside(point: DVec3) -> DVec3 {
     let point = if distance < least { BALL + from_ball * (least / distance) } else { point };
     dvec3(point.x, point.y.max(THICKNESS / 2.0), point.z)
 }
-
-/// All stand where the cloth never comes.
-const VIEWPOINTS: [NamedPose; 6] = [
-    ("front", [0.5, 1.35, 2.3], [0.0, 0.65, 0.0]),
-    ("low", [-1.9, 0.35, 1.2], [0.0, 0.5, 0.0]),
-    ("above", [0.3, 2.9, 1.0], [0.0, 0.4, 0.0]),
-    ("corner", [1.6, 0.5, 1.5], [0.3, 0.35, 0.3]),
-    ("back", [-1.0, 0.9, -2.1], [0.0, 0.5, 0.0]),
-    ("floor", [0.3, 0.12, 2.1], [-0.1, 0.45, 0.0]),
-];
-
-/// Half a circle around the ball, from the front to the back.
-const PATH: [([f32; 3], [f32; 3]); 4] = [
-    ([0.5, 1.35, 2.3], [0.0, 0.9, 0.0]),
-    ([2.0, 1.2, 1.4], [0.0, 0.7, 0.0]),
-    ([2.2, 1.0, -0.8], [0.0, 0.5, 0.0]),
-    ([1.0, 0.9, -2.1], [0.0, 0.4, 0.0]),
-];
 
 impl Cloth {
     /// The point at shares (0 to 1) of the cloth's sides: a cubic B-spline over the grid, which keeps its borders.

@@ -4,9 +4,7 @@
 //! Everything is done in one fixed order from time zero, so that a time has one state. Only additions, multiplications,
 //! divisions and square roots are used.
 
-use glam::{DVec3, dvec3};
-
-use crate::procedural::math::sin;
+use super::*;
 
 /// Points a side of the simulated grid.
 pub(super) const SIDE: usize = 41;

@@ -1,9 +1,6 @@
 //! Trees and bushes: tapering tubes for wood, kites of four triangles for leaves.
 
-use glam::{DVec3, dvec3};
-
-use super::{Glade, Wind, ground};
-use crate::procedural::math::{Random, TURN, cos, mix, sin};
+use super::*;
 
 /// A curved piece of wood.
 struct Branch {
@@ -23,8 +20,8 @@ impl Branch {
 
 /// What a kind of plant looks like.
 struct Kind {
-    bark: usize,
-    leaf: usize,
+    bark: MaterialId,
+    leaf: MaterialId,
     /// Length of a leaf in metres at scale 1; its width is a share of that.
     length: f64,
     width: f64,
@@ -45,10 +42,10 @@ struct Plant<'a> {
     twigs: Vec<Branch>,
 }
 
-pub(super) fn build(glade: &mut Glade) {
-    let oak = Kind { bark: 0, leaf: 0, length: 0.43, width: 0.66, leaves: 5800, limp: 0.05 };
-    let birch = Kind { bark: 1, leaf: 2, length: 0.36, width: 0.68, leaves: 5800, limp: 0.08 };
-    let bush = Kind { bark: 0, leaf: 1, length: 0.24, width: 0.56, leaves: 2200, limp: 0.1 };
+pub(super) fn build(builder: &mut MeshBuilder, setting: Setting) {
+    let oak = Kind { bark: OAK_BARK, leaf: OAK_LEAF, length: 0.43, width: 0.66, leaves: 5800, limp: 0.05 };
+    let birch = Kind { bark: BIRCH_BARK, leaf: BIRCH_LEAF, length: 0.36, width: 0.68, leaves: 5800, limp: 0.08 };
+    let bush = Kind { bark: OAK_BARK, leaf: BUSH_LEAF, length: 0.24, width: 0.56, leaves: 2200, limp: 0.1 };
     let trees = [
         (&oak, -2.4, -1.6, 6.4),
         (&birch, 2.3, -2.4, 6.8),
@@ -62,9 +59,9 @@ pub(super) fn build(glade: &mut Glade) {
         (&oak, -1.6, -8.6, 7.4),
     ];
     for (number, &(kind, x, z, height)) in trees.iter().enumerate() {
-        glade.builder.object(format!("tree {number}"));
-        let plant = tree(glade, kind, number as u64, [x, z, height]);
-        leaves(glade, &plant);
+        builder.object(format!("tree {number}"));
+        let plant = tree(builder, setting, kind, number as u64, [x, z, height]);
+        leaves(builder, setting, &plant);
     }
     let bushes = [
         (-2.2, 1.4, 1.5),
@@ -79,9 +76,9 @@ pub(super) fn build(glade: &mut Glade) {
         (-9.0, 3.4, 1.7),
     ];
     for (number, &(x, z, height)) in bushes.iter().enumerate() {
-        glade.builder.object(format!("bush {number}"));
-        let plant = shrub(glade, &bush, 100 + number as u64, [x, z, height]);
-        leaves(glade, &plant);
+        builder.object(format!("bush {number}"));
+        let plant = shrub(builder, setting, &bush, 100 + number as u64, [x, z, height]);
+        leaves(builder, setting, &plant);
     }
 }
 
@@ -91,25 +88,29 @@ fn direction(heading: f64, rise: f64) -> DVec3 {
 }
 
 /// The wood of a tree: a trunk, limbs around it, twigs on these.
-fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 3]) -> Plant<'a> {
+fn tree<'a>(
+    builder: &mut MeshBuilder,
+    setting: Setting,
+    kind: &'a Kind,
+    seed: u64,
+    [x, z, height]: [f64; 3],
+) -> Plant<'a> {
     let mut random = Random(9000 + seed);
     let root = dvec3(x, ground::height(x, z) - 0.15, z);
     let mut plant = Plant { kind, seed, root, height, phase: random.between(0.0, TURN), twigs: Vec::new() };
     let lean = dvec3(random.between(-0.4, 0.4), height * 0.93, random.between(-0.4, 0.4));
     let bow = dvec3(random.between(-0.25, 0.25), 0.0, random.between(-0.25, 0.25));
     let trunk = Branch { from: root, to: root + lean, bow, radius: [height * 0.026, 0.02] };
-    wood(glade, &plant, glade.builder.bent(12, [16, 3]), &trunk);
-    let limbs = 15;
-    for limb in 0..limbs {
-        let up =
-            mix(0.16, 0.96, (f64::from(limb) + random.between(-0.2, 0.2)) / f64::from(limbs - 1)).clamp(0.14, 0.97);
+    wood(builder, setting, &plant, [12, 16, 3], &trunk);
+    for limb in 0..15 {
+        let up = mix(0.16, 0.96, (f64::from(limb) + random.between(-0.2, 0.2)) / 14.0).clamp(0.14, 0.97);
         let heading = TURN * 0.382 * f64::from(limb) + random.between(-0.3, 0.3);
         let long = height * mix(0.5, 0.2, up) * random.between(0.85, 1.15);
         let from = trunk.at(up);
         let to = from + direction(heading, random.between(0.15, 0.65)) * long;
         let thick = mix(0.055, 0.02, up);
         let limb = Branch { from, to, bow: DVec3::Y * (-0.06 * long), radius: [thick, 0.012] };
-        wood(glade, &plant, glade.builder.bent(7, [8, 2]), &limb);
+        wood(builder, setting, &plant, [7, 8, 2], &limb);
         for twig in 0..5 {
             let at = mix(0.35, 0.95, f64::from(twig) / 4.0);
             let side = if twig % 2 == 0 { 0.8 } else { -0.8 };
@@ -117,7 +118,7 @@ fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 
             let long = long * random.between(0.28, 0.42);
             let to = from + direction(heading + side + random.between(-0.3, 0.3), random.between(-0.2, 0.6)) * long;
             let twig = Branch { from, to, bow: DVec3::Y * (0.08 * long), radius: [0.012, 0.004] };
-            wood(glade, &plant, glade.builder.bent(5, [5, 1]), &twig);
+            wood(builder, setting, &plant, [5, 5, 1], &twig);
             plant.twigs.push(twig);
         }
     }
@@ -125,42 +126,45 @@ fn tree<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 
 }
 
 /// The wood of a bush: stems from one root that lean outwards.
-fn shrub<'a>(glade: &mut Glade, kind: &'a Kind, seed: u64, [x, z, height]: [f64; 3]) -> Plant<'a> {
+fn shrub<'a>(
+    builder: &mut MeshBuilder,
+    setting: Setting,
+    kind: &'a Kind,
+    seed: u64,
+    [x, z, height]: [f64; 3],
+) -> Plant<'a> {
     let mut random = Random(9000 + seed);
     let root = dvec3(x, ground::height(x, z) - 0.06, z);
     let mut plant = Plant { kind, seed, root, height, phase: random.between(0.0, TURN), twigs: Vec::new() };
-    let stems = 14;
-    for stem in 0..stems {
+    for stem in 0..14 {
         let heading = TURN * 0.382 * f64::from(stem) + random.between(-0.2, 0.2);
         let long = height * random.between(0.7, 1.05);
         let from = root + direction(heading, 0.0) * random.between(0.02, 0.1);
         let to = from + direction(heading, random.between(0.55, 1.4)) * long;
         let bow = direction(heading, 0.0) * (0.1 * long);
         let stem = Branch { from, to, bow, radius: [0.014, 0.004] };
-        wood(glade, &plant, glade.builder.bent(5, [8, 2]), &stem);
+        wood(builder, setting, &plant, [5, 8, 2], &stem);
         plant.twigs.push(stem);
     }
     plant
 }
 
-fn wood(glade: &mut Glade, plant: &Plant<'_>, divisions: [usize; 2], branch: &Branch) {
-    let Glade { builder, palette, wind, .. } = glade;
-    let path = |t: f64| plant.blown(*wind, branch.at(t));
-    builder.tube(palette.bark[plant.kind.bark], divisions, path, |t| mix(branch.radius[0], branch.radius[1], t));
+fn wood(builder: &mut MeshBuilder, setting: Setting, plant: &Plant<'_>, divisions: [usize; 3], branch: &Branch) {
+    let path = |t: f64| plant.blown(setting, branch.at(t));
+    builder.tube(plant.kind.bark, divisions, path, |t| mix(branch.radius[0], branch.radius[1], t));
 }
 
 impl Plant<'_> {
     /// Where a point of the plant is in the wind.
-    fn blown(&self, wind: Wind, point: DVec3) -> DVec3 {
-        wind.bend(point, (point.y - self.root.y) / self.height, self.kind.limp * self.height, self.phase)
+    fn blown(&self, setting: Setting, point: DVec3) -> DVec3 {
+        setting.bend(point, (point.y - self.root.y) / self.height, self.kind.limp * self.height, self.phase)
     }
 }
 
 /// Leaves on the outer parts of the twigs: base, two sides, tip, and a middle that folds them along their length.
-fn leaves(glade: &mut Glade, plant: &Plant<'_>) {
-    let Glade { builder, palette, density, wind, .. } = glade;
+fn leaves(builder: &mut MeshBuilder, setting: Setting, plant: &Plant<'_>) {
     let kind = plant.kind;
-    for number in 0..density.count(kind.leaves) {
+    for number in 0..setting.count(kind.leaves) {
         let mut random = Random((plant.seed << 32) + number as u64 * 0x9e37_79b9);
         let twig = &plant.twigs[random.between(0.0, plant.twigs.len() as f64) as usize % plant.twigs.len()];
         let base = twig.at(random.between(0.15, 1.0));
@@ -168,15 +172,15 @@ fn leaves(glade: &mut Glade, plant: &Plant<'_>) {
         let out = direction(heading, random.between(-0.9, 0.7));
         let flat = out.cross(direction(random.between(0.0, TURN), random.between(0.2, 1.2))).normalize_or(DVec3::X);
         let normal = flat.cross(out);
-        let size = kind.length * random.between(0.7, 1.2) * density.size();
+        let size = kind.length * random.between(0.7, 1.2) * setting.size();
         let half = flat * (0.5 * size * kind.width);
         let turn = random.between(0.0, TURN);
         let cycles = if random.between(0.0, 1.0) < 0.5 { 4.0 } else { 5.0 };
-        let material = palette.leaf[if random.between(0.0, 1.0) < 0.12 { 3 } else { kind.leaf }];
-        let base = plant.blown(*wind, base);
+        let material = if random.between(0.0, 1.0) < 0.12 { AUTUMN_LEAF } else { kind.leaf };
+        let base = plant.blown(setting, base);
         // The stalk holds the leaf off the wood.
         let stalk = base + out * (0.12 * size);
-        let flutter = 0.16 * size * wind.swing(cycles, turn);
+        let flutter = 0.16 * size * setting.swing(cycles, turn);
         let fold = 0.1 * size;
         let points = [
             stalk,

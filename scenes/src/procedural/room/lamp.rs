@@ -1,10 +1,6 @@
 //! The pendant lamp: a thin cord that sags from an outlet to a hook over the table, and the shade below it.
 
-use glam::{DVec3, dvec3};
-
-use super::{MAX, Palette, TABLE};
-use crate::procedural::builder::MeshBuilder;
-use crate::procedural::math::{Frame, TURN, cos, mix, sin};
+use super::*;
 
 /// Radius of the power cord in metres.
 const CORD_RADIUS: f64 = 0.003;
@@ -17,23 +13,23 @@ const NECK: f64 = 1.83;
 /// The catenary's parameter in metres: small sags deep.
 const SAG: f64 = 2.1;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
+pub(super) fn build(builder: &mut MeshBuilder) {
     let hook = dvec3(TABLE.x, HOOK, TABLE.z);
-    cord(builder, palette, hook);
+    cord(builder, hook);
 
     // The hook is a ring around the cord on a short stem.
     builder.frame = Frame::at(hook + DVec3::Y * 0.004).roll(TURN / 4.0);
-    builder.torus(palette.metal, builder.ring(10, 24), DVec3::ZERO, [0.014, 0.0035]);
+    builder.torus(METAL, [10, 24, 3], DVec3::ZERO, [0.014, 0.0035]);
     builder.frame = Frame::at(hook);
-    builder.tube(palette.metal, builder.round(10, 6), |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t), |_| 0.004);
+    builder.tube(METAL, [10, 6, 1], |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t), |_| 0.004);
     builder.frame = Frame::at(OUTLET);
     let canopy = [[0.0, -0.03], [0.02, -0.03], [0.05, -0.012], [0.055, 0.01], [0.0, 0.01]];
-    builder.revolve_straight(palette.metal, builder.round(32, 2), &canopy);
-    shade(builder, palette);
+    builder.revolve_straight(METAL, [32, 2], &canopy);
+    shade(builder);
 }
 
 /// From the outlet along a catenary to the hook, then down with the faint wave of a cord that was once coiled.
-fn cord(builder: &mut MeshBuilder, palette: &Palette, hook: DVec3) {
+fn cord(builder: &mut MeshBuilder, hook: DVec3) {
     let from = OUTLET - DVec3::Y * 0.025;
     let across = dvec3(hook.x - from.x, 0.0, hook.z - from.z);
     let span = across.length();
@@ -54,33 +50,24 @@ fn cord(builder: &mut MeshBuilder, palette: &Palette, hook: DVec3) {
         let height = SAG * (libm::cosh((t * span - low) / SAG) - libm::cosh(low / SAG));
         from + across * t + DVec3::Y * height
     };
-    builder.tube(palette.black, builder.bent(10, [90, 8]), sagging, |_| CORD_RADIUS);
+    builder.tube(BLACK, [10, 90, 8], sagging, |_| CORD_RADIUS);
     let hanging = |t: f64| {
         let wave = 0.006 * t * (1.0 - t);
         let angle = 3.0 * TURN * t;
         dvec3(hook.x + wave * sin(angle), mix(hook.y + 0.002, NECK - 0.01, t), hook.z + wave * cos(angle))
     };
-    builder.tube(palette.black, builder.bent(10, [60, 8]), hanging, |_| CORD_RADIUS);
+    builder.tube(BLACK, [10, 60, 8], hanging, |_| CORD_RADIUS);
 }
 
-fn shade(builder: &mut MeshBuilder, palette: &Palette) {
+fn shade(builder: &mut MeshBuilder) {
     builder.frame = Frame::at(dvec3(TABLE.x, NECK, TABLE.z));
     let socket = [[0.0, -0.075], [0.018, -0.075], [0.02, -0.01], [0.008, 0.004], [0.0, 0.004]];
-    builder.revolve_straight(palette.metal, builder.round(20, 2), &socket);
+    builder.revolve_straight(METAL, [20, 2], &socket);
     // A thin bell: from the top down its inside, around the rim, and up its outside.
-    let bell = [
-        [0.0, -0.03],
-        [0.05, -0.036],
-        [0.11, -0.07],
-        [0.16, -0.14],
-        [0.192, -0.22],
-        [0.195, -0.221],
-        [0.197, -0.218],
-        [0.165, -0.136],
-        [0.114, -0.064],
-        [0.052, -0.031],
-        [0.0, -0.025],
-    ];
-    builder.revolve_smooth(palette.shade, builder.bent(48, [28, 10]), &bell);
-    builder.ball(palette.bulb, dvec3(0.0, -0.112, 0.0), 0.042, builder.around(28));
+    let bell = knots(
+        [0.0, 0.05, 0.11, 0.16, 0.192, 0.195, 0.197, 0.165, 0.114, 0.052, 0.0],
+        [-0.03, -0.036, -0.07, -0.14, -0.22, -0.221, -0.218, -0.136, -0.064, -0.031, -0.025],
+    );
+    builder.revolve_smooth(SHADE, [48, 28, 10], &bell);
+    builder.ball(BULB, dvec3(0.0, -0.112, 0.0), 0.042, 28);
 }

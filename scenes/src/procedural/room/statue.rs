@@ -1,54 +1,35 @@
 //! The statue: a robed figure on a plinth, one closed surface of about 100,000 triangles at scale 1.
 
-use glam::{DVec2, DVec3, dvec2, dvec3};
-
-use super::{Palette, STATUE, SUNK};
-use crate::procedural::builder::{Ends, MeshBuilder};
-use crate::procedural::math::{Frame, TURN, bell, cos, sin, smoothstep, spline};
+use super::*;
 
 /// Height of the plinth's upper side.
 const PLINTH: f64 = 0.72;
 /// Height of the figure.
 const HEIGHT: f64 = 1.3;
 
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
+pub(super) fn build(builder: &mut MeshBuilder) {
     builder.frame = Frame::at(STATUE);
-    plinth(builder, palette);
+    plinth(builder);
     // The figure's face looks along its own +x; turned towards the entrance.
     builder.frame = Frame::at(STATUE + DVec3::Y * (PLINTH - 0.004)).yaw(0.64 * TURN);
-    figure(builder, palette);
+    figure(builder);
 }
 
-fn plinth(builder: &mut MeshBuilder, palette: &Palette) {
-    let profile = [
-        [0.0, -SUNK],
-        [0.33, -SUNK],
-        [0.33, 0.06],
-        [0.31, 0.08],
-        [0.285, 0.1],
-        [0.27, 0.14],
-        [0.265, 0.6],
-        [0.275, 0.63],
-        [0.3, 0.65],
-        [0.31, 0.67],
-        [0.31, 0.715],
-        [0.305, PLINTH],
-        [0.0, PLINTH],
-    ];
-    builder.revolve_straight(palette.stone, builder.round(64, 1), &profile);
+fn plinth(builder: &mut MeshBuilder) {
+    let profile = knots(
+        [0.0, 0.33, 0.33, 0.31, 0.285, 0.27, 0.265, 0.275, 0.3, 0.31, 0.31, 0.305, 0.0],
+        [-SUNK, -SUNK, 0.06, 0.08, 0.1, 0.14, 0.6, 0.63, 0.65, 0.67, 0.715, PLINTH, PLINTH],
+    );
+    builder.revolve_straight(STONE, [64, 1], &profile);
 }
 
 /// Rings around a swaying line: an ellipse that changes with height, folded like cloth below, with a face above.
-fn figure(builder: &mut MeshBuilder, palette: &Palette) {
-    let around = builder.divide(224, 8);
-    let rows = builder.divide(206, 12);
+fn figure(builder: &mut MeshBuilder) {
+    let (around, rows) = (builder.divide(224, 8), builder.divide(206, 12));
     let center = |v: f64| dvec3(0.022 * sin(TURN * 0.9 * v) - 0.01 * v, HEIGHT * v, 0.035 * sin(TURN * 0.75 * v + 0.4));
-    let start = center(0.0);
-    let end = center(1.0);
-    builder.rings(palette.marble, rows, around, &Ends::Closed(start, end), |ring, at| {
+    builder.turned(MARBLE, [rows, around], Ends::Closed(center(0.0), center(1.0)), |ring, angle| {
         // No ring lies at the very top, where the end point is.
         let v = ring as f64 / rows as f64;
-        let angle = TURN * at as f64 / around as f64;
         let size = radius(v, angle) * proportion(v);
         center(v) + dvec3(size.x * cos(angle), 0.0, -size.y * sin(angle))
     });
@@ -59,35 +40,19 @@ fn body(v: f64) -> f64 {
     // The crown of the head closes like a ball.
     const CROWN: f64 = 0.9;
     let crown = ((v - CROWN) / (1.0 - CROWN)).clamp(0.0, 1.0);
-    let round = libm::sqrt((1.0 - crown * crown).max(0.0));
-    round
-        * spline(
-            &[
-                (0.0, 0.25),
-                (0.015, 0.262),
-                (0.05, 0.25),
-                (0.2, 0.195),
-                (0.4, 0.152),
-                (0.5, 0.146),
-                (0.62, 0.168),
-                (0.7, 0.172),
-                (0.745, 0.13),
-                (0.775, 0.07),
-                (0.8, 0.056),
-                (0.825, 0.066),
-                (0.86, 0.09),
-                (0.9, 0.098),
-                (1.0, 0.098),
-            ],
-            v,
-        )
+    let round = sqrt((1.0 - crown * crown).max(0.0));
+    let body = knots(
+        [0.0, 0.015, 0.05, 0.2, 0.4, 0.5, 0.62, 0.7, 0.745, 0.775, 0.8, 0.825, 0.86, 0.9, 1.0],
+        [0.25, 0.262, 0.25, 0.195, 0.152, 0.146, 0.168, 0.172, 0.13, 0.07, 0.056, 0.066, 0.09, 0.098, 0.098],
+    );
+    round * spline(&body, v)
 }
 
 /// How much wider than deep the body is: shoulders and hips are broad, the head is long.
 fn proportion(v: f64) -> DVec2 {
-    let broad =
-        spline(&[(0.0, 1.0), (0.45, 1.06), (0.68, 1.34), (0.76, 1.15), (0.8, 1.0), (0.86, 0.86), (1.0, 0.9)], v);
-    dvec2(1.0 / libm::sqrt(broad), broad)
+    let broad = knots([0.0, 0.45, 0.68, 0.76, 0.8, 0.86, 1.0], [1.0, 1.06, 1.34, 1.15, 1.0, 0.86, 0.9]);
+    let broad = spline(&broad, v);
+    dvec2(1.0 / sqrt(broad), broad)
 }
 
 fn radius(v: f64, angle: f64) -> f64 {

@@ -1,36 +1,29 @@
 //! What stands on the floor and lies on benches and shelves: barrels, crates, wheels, vessels within vessels.
 
-use glam::{DVec3, dvec2, dvec3};
+use super::*;
 
-use super::{HALF, Palette, SUNK, tools};
-use crate::procedural::builder::MeshBuilder;
-use crate::procedural::math::{Frame, Random, TURN, cos, sin};
-
-pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette) {
-    barrels(builder, palette);
-    crates(builder, palette);
-    wheels(builder, palette);
-    for (number, (x, z, turn)) in
-        [(3.2, -HALF[1] + 0.42, 0.0), (0.9, -HALF[1] + 0.42, 0.0), (HALF[0] - 0.42, -0.6, -TURN / 4.0)]
-            .into_iter()
-            .enumerate()
-    {
-        builder.object(format!("shelf {number}"));
-        shelf(builder, palette, Frame::at(dvec3(x, 0.0, z)).yaw(turn), number as u64);
+pub(super) fn build(builder: &mut MeshBuilder) {
+    barrels(builder);
+    crates(builder);
+    wheels(builder);
+    let back = -HALF[1] + 0.42;
+    let shelves = [(3.2, back, 0.0), (0.9, back, 0.0), (HALF[0] - 0.42, -0.6, -TURN / 4.0)];
+    for (number, (x, z, turn)) in shelves.into_iter().enumerate() {
+        builder.object_at(format!("shelf {number}"), Frame::at(dvec3(x, 0.0, z)).yaw(turn));
+        shelf(builder, number as u64);
     }
     for (number, (x, z, long)) in [(-1.4, HALF[1] - 0.55, 2.8), (1.9, HALF[1] - 0.52, 2.2)].into_iter().enumerate() {
-        builder.object(format!("bench {number}"));
-        bench(builder, palette, Frame::at(dvec3(x, 0.0, z)), long, number as u64);
+        builder.object_at(format!("bench {number}"), Frame::at(dvec3(x, 0.0, z)));
+        bench(builder, long, number as u64);
     }
-    builder.object("table");
-    bench(builder, palette, Frame::at(dvec3(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
+    builder.object_at("table", Frame::at(dvec3(0.5, 0.0, -0.75)).yaw(-0.25));
+    bench(builder, 1.5, 7);
     builder.object("ladder");
-    let ends = [dvec3(-2.6, -SUNK, 2.2), dvec3(-3.1, 3.4, 3.3)];
-    builder.ladder(palette.wood, ends, dvec3(0.25, 0.0, 0.11), 11);
+    builder.ladder(WOOD, [dvec3(-2.6, -SUNK, 2.2), dvec3(-3.1, 3.4, 3.3)], dvec3(0.25, 0.0, 0.11), 11);
 }
 
 /// Closed ones with sacks on them, open ones full of rods, swords and handles.
-fn barrels(builder: &mut MeshBuilder, palette: &Palette) {
+fn barrels(builder: &mut MeshBuilder) {
     let mut random = Random(21);
     let places = [
         (-4.4, -0.7, true),
@@ -46,11 +39,10 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette) {
         (-0.3, 2.4, true),
     ];
     for (number, (x, z, open)) in places.into_iter().enumerate() {
-        builder.object(format!("barrel {number}"));
         let here = Frame::at(dvec3(x, -SUNK, z)).yaw(random.between(0.0, TURN));
-        builder.frame = here;
+        builder.object_at(format!("barrel {number}"), here);
         let size = [random.between(0.27, 0.32), random.between(0.75, 0.92)];
-        builder.barrel([palette.wood, palette.iron], size, open);
+        builder.barrel([WOOD, IRON], size, open);
         if open {
             for stick in 0..9 {
                 let angle = TURN * (f64::from(stick) + random.between(-0.3, 0.3)) / 9.0;
@@ -60,23 +52,22 @@ fn barrels(builder: &mut MeshBuilder, palette: &Palette) {
                 let high = size[1] + random.between(0.2, 0.65);
                 let top = out * (away * 1.25) + DVec3::Y * high;
                 if stick % 3 == 0 {
-                    builder.frame = here.span(top, foot, DVec3::X).pitch(TURN / 2.0);
-                    tools::sword(builder, palette, high * 0.92);
-                    builder.frame = here;
+                    let upright = here.span(top, foot, DVec3::X).pitch(TURN / 2.0);
+                    builder.within(upright, |here| tools::sword(here, high * 0.92));
                 } else {
-                    let material = if stick % 2 == 0 { palette.iron } else { palette.wood };
-                    builder.rod(material, builder.round(8, 6), [foot, top], random.between(0.008, 0.016));
+                    let material = if stick % 2 == 0 { IRON } else { WOOD };
+                    builder.rod(material, [8, 6], [foot, top], random.between(0.008, 0.016));
                 }
             }
         } else {
             builder.frame = here.shift(DVec3::Y * (0.955 * size[1]));
-            tools::coil(builder, palette, 0.2);
+            tools::coil(builder, 0.2);
         }
     }
 }
 
 /// Crates, and open boxes with boxes, pots and balls in them.
-fn crates(builder: &mut MeshBuilder, palette: &Palette) {
+fn crates(builder: &mut MeshBuilder) {
     let mut random = Random(22);
     let places = [
         (4.35, 2.3, 2),
@@ -94,27 +85,26 @@ fn crates(builder: &mut MeshBuilder, palette: &Palette) {
         for level in 0..high {
             let size = dvec3(0.72, 0.56, 0.68) * (1.0 - 0.08 * f64::from(level)) * random.between(0.9, 1.05);
             builder.frame = Frame::at(dvec3(x, y, z)).yaw(random.between(-0.2, 0.2));
-            builder.plank_crate([palette.board, palette.dark_wood], size);
+            builder.plank_crate([BOARD, DARK_WOOD], size);
             y += size.y - 0.005;
         }
         let here = Frame::at(dvec3(x, y, z)).yaw(random.between(-0.3, 0.3));
         builder.frame = here;
-        tools::open_box(builder, palette.wood, dvec3(0.52, 0.3, 0.46));
+        tools::open_box(builder, WOOD, dvec3(0.52, 0.3, 0.46));
         builder.frame = here.shift(dvec3(-0.08, 0.011, 0.0)).yaw(0.1);
-        tools::open_box(builder, palette.board, dvec3(0.26, 0.22, 0.3));
+        tools::open_box(builder, BOARD, dvec3(0.26, 0.22, 0.3));
         builder.frame = here.shift(dvec3(-0.08, 0.021, 0.0));
-        tools::pot(builder, palette.clay, dvec2(0.09, 0.24));
+        tools::pot(builder, CLAY, dvec2(0.09, 0.24));
         builder.frame = here;
         for shot in 0..7 {
-            let at =
-                dvec3(0.15 + random.between(-0.05, 0.05), 0.05 + 0.045 * f64::from(shot), random.between(-0.13, 0.13));
-            builder.ball(palette.iron, at, 0.042, builder.around(10));
+            let x = 0.15 + random.between(-0.05, 0.05);
+            builder.ball(IRON, dvec3(x, 0.05 + 0.045 * f64::from(shot), random.between(-0.13, 0.13)), 0.042, 10);
         }
     }
 }
 
 /// Wagon wheels that lean against each other and the walls, one lying on a trestle of crates.
-fn wheels(builder: &mut MeshBuilder, palette: &Palette) {
+fn wheels(builder: &mut MeshBuilder) {
     let places = [
         (dvec3(4.75, 0.52, 0.0), TURN / 4.0, -1.35, 0.55),
         (dvec3(4.55, 0.48, 0.05), TURN / 4.0, -1.3, 0.5),
@@ -124,55 +114,49 @@ fn wheels(builder: &mut MeshBuilder, palette: &Palette) {
         (dvec3(1.9, 0.45, 3.0), -0.3, 1.2, 0.5),
     ];
     for (number, (at, turn, lean, radius)) in places.into_iter().enumerate() {
-        builder.object(format!("wheel {number}"));
-        builder.frame = Frame::at(at).yaw(turn).pitch(lean);
-        builder.wheel([palette.wood, palette.iron], [radius, 0.035], 12);
+        builder.object_at(format!("wheel {number}"), Frame::at(at).yaw(turn).pitch(lean));
+        builder.wheel([WOOD, IRON], [radius, 0.035], 12);
     }
 }
 
 /// Boards between posts with rows of pots within pots, boxes, buckets and coils.
-fn shelf(builder: &mut MeshBuilder, palette: &Palette, here: Frame, seed: u64) {
+fn shelf(builder: &mut MeshBuilder, seed: u64) {
     let mut random = Random(300 + seed);
-    let two = builder.along(2);
     let half = 1.05;
-    builder.frame = here;
+    let here = builder.frame;
     for x in [-half, half] {
         for z in [-0.275, 0.275] {
-            let ends = [dvec3(x, -SUNK, z), dvec3(x, 2.55, z)];
-            builder.beam(palette.dark_wood, [two, builder.along(6)], ends, [0.03, 0.03], DVec3::X);
+            builder.beam(DARK_WOOD, [2, 6], [dvec3(x, -SUNK, z), dvec3(x, 2.55, z)], [0.03, 0.03], DVec3::X);
         }
     }
     for level in 0..5 {
         let y = 0.14 + 0.55 * f64::from(level);
         builder.frame = here;
-        let min = dvec3(-half - 0.02, y - 0.03, -0.285);
-        builder.cuboid(palette.board, min, dvec3(half + 0.02, y, 0.285), [builder.along(6), two, two]);
+        builder.cuboid(BOARD, dvec3(-half - 0.02, y - 0.03, -0.285), dvec3(half + 0.02, y, 0.285), [6, 2, 2]);
         let mut x = -half + 0.05;
         while x < half - 0.3 {
             let kind = random.between(0.0, 1.0);
             let radius = random.between(0.11, 0.15);
-            let place =
-                here.shift(dvec3(x + radius, y - 0.002, random.between(-0.08, 0.08))).yaw(random.between(0.0, TURN));
+            let at = dvec3(x + radius, y - 0.002, random.between(-0.08, 0.08));
+            let place = here.shift(at).yaw(random.between(0.0, TURN));
             builder.frame = place;
             if kind < 0.55 {
                 let high = random.between(0.26, 0.42);
-                let materials = [palette.clay, palette.glaze, palette.copper];
                 for nested in 0..3 {
                     let share = 1.0 - 0.27 * f64::from(nested);
                     builder.frame = place.shift(DVec3::Y * (0.06 * high * f64::from(nested)));
-                    let material = materials[(seed as usize + nested as usize + level as usize) % 3];
+                    let material = [CLAY, GLAZE, COPPER][(seed as usize + nested as usize + level as usize) % 3];
                     tools::pot(builder, material, dvec2(radius, high) * share);
                 }
             } else if kind < 0.7 {
-                tools::bucket(builder, palette, 0.75);
+                tools::bucket(builder, 0.75);
             } else if kind < 0.85 {
-                tools::coil(builder, palette, radius * 0.85);
+                tools::coil(builder, radius * 0.85);
             } else {
-                builder.frame = place.shift(DVec3::ZERO).yaw(0.0);
-                tools::open_box(builder, palette.wood, dvec3(radius * 1.3, 0.2, radius * 1.3));
+                tools::open_box(builder, WOOD, dvec3(radius * 1.3, 0.2, radius * 1.3));
                 for shot in 0..4 {
                     let at = dvec3(0.0, 0.05 + 0.06 * f64::from(shot), 0.02 * f64::from(shot % 2));
-                    builder.ball(palette.polished, at, 0.038, builder.around(12));
+                    builder.ball(POLISHED, at, 0.038, 12);
                 }
             }
             x += 2.0 * radius + random.between(0.01, 0.05);
@@ -181,21 +165,16 @@ fn shelf(builder: &mut MeshBuilder, palette: &Palette, here: Frame, seed: u64) {
 }
 
 /// A bench with a lower board; hammers, tongs, boxes and pots lie on it, buckets and sacks below.
-fn bench(builder: &mut MeshBuilder, palette: &Palette, here: Frame, long: f64, seed: u64) {
+fn bench(builder: &mut MeshBuilder, long: f64, seed: u64) {
     let mut random = Random(700 + seed);
-    let two = builder.along(2);
     let half = long / 2.0;
-    builder.frame = here;
-    let board = |builder: &mut MeshBuilder, y: f64, thick: f64, deep: f64| {
-        let min = dvec3(-half, y - thick, -deep);
-        builder.cuboid(palette.wood, min, dvec3(half, y, deep), [builder.along(8), two, two]);
-    };
-    board(builder, 0.9, 0.06, 0.4);
-    board(builder, 0.26, 0.03, 0.375);
+    let here = builder.frame;
+    for (y, thick, deep) in [(0.9, 0.06, 0.4), (0.26, 0.03, 0.375)] {
+        builder.cuboid(WOOD, dvec3(-half, y - thick, -deep), dvec3(half, y, deep), [8, 2, 2]);
+    }
     for x in [-half + 0.1, half - 0.1] {
         for z in [-0.33, 0.33] {
-            let ends = [dvec3(x, -SUNK, z), dvec3(x, 0.87, z)];
-            builder.beam(palette.dark_wood, [two, builder.along(4)], ends, [0.045, 0.05], DVec3::X);
+            builder.beam(DARK_WOOD, [2, 4], [dvec3(x, -SUNK, z), dvec3(x, 0.87, z)], [0.045, 0.05], DVec3::X);
         }
     }
     let count = libm::round(long / 0.32) as usize;
@@ -206,34 +185,33 @@ fn bench(builder: &mut MeshBuilder, palette: &Palette, here: Frame, long: f64, s
         match thing % 4 {
             0 => {
                 builder.frame = place.shift(dvec3(0.0, 0.028, -0.2)).yaw(turn).pitch(-TURN / 4.0).yaw(TURN / 4.0);
-                tools::hammer(builder, palette, 0.38);
+                tools::hammer(builder, 0.38);
             }
             1 => {
                 builder.frame = place.shift(DVec3::Y * -0.002);
-                tools::pot(builder, palette.copper, dvec2(0.12, 0.22));
+                tools::pot(builder, COPPER, dvec2(0.12, 0.22));
                 builder.frame = place.shift(DVec3::Y * 0.012);
-                tools::pot(builder, palette.glaze, dvec2(0.08, 0.26));
+                tools::pot(builder, GLAZE, dvec2(0.08, 0.26));
             }
             2 => {
                 builder.frame = place.shift(dvec3(0.0, 0.012, -0.28)).yaw(turn).pitch(-TURN / 4.0);
-                tools::tongs(builder, palette, 0.55);
+                tools::tongs(builder, 0.55);
             }
             _ => {
                 builder.frame = place.shift(DVec3::Y * -0.006).yaw(turn);
-                tools::open_box(builder, palette.board, dvec3(0.24, 0.16, 0.3));
+                tools::open_box(builder, BOARD, dvec3(0.24, 0.16, 0.3));
                 for shoe in 0..4 {
-                    builder.frame = place
-                        .shift(dvec3(-0.06 + 0.04 * f64::from(shoe), 0.18, 0.0))
-                        .yaw(TURN / 4.0 + 0.2 * f64::from(shoe));
-                    tools::horseshoe(builder, palette);
+                    let at = dvec3(-0.06 + 0.04 * f64::from(shoe), 0.18, 0.0);
+                    builder.frame = place.shift(at).yaw(TURN / 4.0 + 0.2 * f64::from(shoe));
+                    tools::horseshoe(builder);
                 }
             }
         }
         builder.frame = here.shift(dvec3(x, 0.257, random.between(-0.06, 0.06))).yaw(random.between(0.0, TURN));
         match thing % 3 {
-            0 => tools::bucket(builder, palette, 0.8),
-            1 => tools::sack(builder, palette, 0.55),
-            _ => tools::coil(builder, palette, 0.13),
+            0 => tools::bucket(builder, 0.8),
+            1 => tools::sack(builder, 0.55),
+            _ => tools::coil(builder, 0.13),
         }
     }
 }
