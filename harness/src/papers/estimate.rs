@@ -79,14 +79,7 @@ impl Estimate {
     }
 
     fn reduce(all: impl IntoIterator<Item = Self>, of: fn(f64, f64) -> f64) -> Option<Self> {
-        all.into_iter().reduce(|one, other| Self {
-            value: of(one.value, other.value),
-            interval: [0, 1].map(|end| of(one.interval[end], other.interval[end])),
-            timed: one.timed || other.timed,
-            at_launch_settings: one.at_launch_settings || other.at_launch_settings,
-            doubts: one.doubts.into_iter().chain(other.doubts).collect(),
-            note: None,
-        })
+        all.into_iter().reduce(|one, other| one.with(other, of))
     }
 
     /// The largest, none of none.

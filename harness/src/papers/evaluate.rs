@@ -6,7 +6,7 @@ use super::estimate::Estimate;
 use super::expression::{Expression, Step, Steps};
 use super::functions::{Arguments, FUNCTIONS};
 use super::page::Page;
-use super::quantity::{rank_chance, rank_correlation};
+use super::quantity::{rank_chance, rank_correlation, sign};
 use super::rows::{SceneRows, has};
 use super::{Paper, times};
 use crate::report::format::NONE;
@@ -361,10 +361,13 @@ impl<'a> Evaluation<'a> {
                 [_, Value::Time(time)] => Some((first(pair)?, time.clone())),
                 _ => None,
             };
-            return times::rank_correlation(self.scene.record, &pairs.iter().map(timed).collect::<Option<Vec<_>>>()?);
+            // A pair whose order the times leave open counts for either.
+            let order = |one: &_, other: &_| Some((times::ratio(self.scene.record, one, other)? - 1.0).rising(sign));
+            return rank_correlation(&pairs.iter().map(timed).collect::<Option<Vec<_>>>()?, order);
         }
-        let counted = pairs.iter().map(|pair| Some([first(pair)?, pair.get(1)?.number()?.value]));
-        rank_correlation(&counted.collect::<Option<Vec<_>>>()?).map(Estimate::from)
+        let counted = pairs.iter().map(|pair| Some((first(pair)?, pair.get(1)?.number()?.value)));
+        let order = |one: &f64, other: &f64| Some(sign(one - other).into());
+        rank_correlation(&counted.collect::<Option<Vec<_>>>()?, order)
     }
 }
 

@@ -135,6 +135,5 @@ pub(super) fn take_judgements(record: &mut Record) {
 
 /// Published tables without figures.
 pub(super) fn lost(paper: &Paper) -> Vec<String> {
-    let tables = paper.published().unwrap().tables;
-    tables.into_iter().filter(|table| table.rows.is_none()).map(|table| table.id).collect()
+    paper.published.tables.iter().filter(|table| table.rows.is_none()).map(|table| table.id.clone()).collect()
 }

@@ -44,6 +44,7 @@ pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all
 
 use std::sync::LazyLock;
 
+use serde::Deserialize;
 use tracebench_api::{MemoryEntry, TraceTo};
 
 use crate::plan::RunPreset;
@@ -60,35 +61,65 @@ type Figure = fn(&Row) -> Option<f64>;
 pub struct Paper {
     /// Its short name, that of its folder; its experiments are named after it.
     pub name: &'static str,
-    /// Its tables and figures, measured here.
-    pub experiments: LazyLock<Vec<Experiment>>,
-    /// Ray sets that are traced within minutes where an experiment has them.
-    few_rays: &'static [&'static str],
-    /// Tables and charts of their pages: `pages.json`.
-    pages: LazyLock<page::told::Told>,
-    /// Its own resolutions, if the run preset `paper` takes them.
-    at_paper: Option<Resolutions>,
-    /// What it printed: the text of `published.json`.
-    published: &'static str,
     /// The table of all that it claims.
     pub claims_table: &'static str,
-    /// What it claims: the text of `claims.json`.
-    claims: &'static str,
+    /// Its tables and figures, measured here: `experiments.json`.
+    pub experiments: LazyLock<Vec<Experiment>>,
+    /// What it printed: `published.json`.
+    pub published: LazyLock<Published>,
+    /// What it claims: `claims.json`.
+    pub claims: LazyLock<Vec<Claim>>,
     /// What decides its claims: `quantities.json`.
     told: LazyLock<quantity::Told>,
+    /// Tables and charts of their pages: `pages.json`.
+    pages: LazyLock<page::told::Told>,
+    /// What is particular of it: `paper.json`.
+    own: LazyLock<Own>,
     /// Figures of a row that have their own maths, by name, for what decides claims.
     figures: &'static [(&'static str, Figure)],
-    /// Counts that structures say of themselves and its pages show, with their headings.
-    counts: &'static [(&'static str, &'static str)],
-    /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
-    of_a_trace: &'static [(&'static str, &'static [&'static str])],
     /// Bytes of what the formulas of papers count: those parts of the structure, and of a trace the buffers in the paper's own set-up,
     /// which are not allocated here. None of tracers that no formula is about.
-    by_formula: fn(&Row) -> Option<f64>,
+    by_formula: Figure,
+}
+
+/// The paper of the folder in which this stands: its name, figures and bytes by formula.
+macro_rules! paper {
+    ($name:literal, $figures:expr, $by_formula:expr) => {
+        $crate::papers::Paper {
+            name: $name,
+            claims_table: concat!($name, "-claims"),
+            experiments: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("experiments.json"))),
+            published: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("published.json"))),
+            claims: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("claims.json"))),
+            told: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("quantities.json"))),
+            pages: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("pages.json"))),
+            own: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("paper.json"))),
+            figures: $figures,
+            by_formula: $by_formula,
+        }
+    };
+}
+use paper;
+
+/// What is particular of a paper.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Own {
+    /// Ray sets that are traced within minutes where an experiment has them.
+    #[serde(borrow)]
+    few_rays: Vec<&'static str>,
+    /// Its own resolutions, if the run preset `paper` takes them.
+    at_paper: Option<Resolutions>,
+    /// Counts that structures say of themselves and its pages show, with their headings.
+    counts: Vec<(&'static str, &'static str)>,
+    /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
+    #[serde(default)]
+    of_a_trace: Vec<(&'static str, Vec<&'static str>)>,
 }
 
 /// Resolutions that a paper measured at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Resolutions {
     /// Width and height of the ray image and of the frame.
     image: [u32; 2],
@@ -100,7 +131,7 @@ struct Resolutions {
 const AT_PAPER: &str = "paper";
 
 /// Reads a paper's own file, which tests hold whole.
-fn embedded<T: serde::Deserialize<'static>>(text: &'static str) -> T {
+fn embedded<T: Deserialize<'static>>(text: &'static str) -> T {
     serde_json::from_str(text).expect("the tests of papers read it")
 }
 
@@ -137,7 +168,7 @@ impl Paper {
 
     /// A run preset at the resolutions that this paper's tables have there.
     pub fn resolved(&self, preset: RunPreset) -> RunPreset {
-        match self.at_paper {
+        match self.own.at_paper {
             Some(Resolutions { image, face }) if preset.name == AT_PAPER => {
                 RunPreset { ray_image: image, frame: image, face, ..preset }
             }
@@ -160,41 +191,10 @@ impl Paper {
             Scope::Structure => structure,
             Scope::WithTrace => {
                 let to_surfaces = row.traces.iter().find(|trace| trace.trace_to == TraceTo::Surface)?;
-                let of = self.of_a_trace.iter().find(|(tracer, _)| *tracer == row.tracer.name);
+                let of = self.own.of_a_trace.iter().find(|(tracer, _)| *tracer == row.tracer.name);
                 structure + used(&to_surfaces.per_trace, &|name| of.is_some_and(|(_, names)| names.contains(&name)))
             }
             Scope::OfPaper => (self.by_formula)(row).unwrap_or(structure),
         })
     }
-
-    /// What it printed.
-    ///
-    /// # Errors
-    /// If the embedded file is not as it should be.
-    pub fn published(&self) -> Result<Published, DataError> {
-        self.read("published.json", self.published)
-    }
-
-    /// What it claims.
-    ///
-    /// # Errors
-    /// If the embedded file is not as it should be.
-    pub fn claims(&self) -> Result<Vec<Claim>, DataError> {
-        self.read("claims.json", self.claims)
-    }
-
-    fn read<T: serde::de::DeserializeOwned>(&self, file: &str, text: &str) -> Result<T, DataError> {
-        let file = || format!("harness/src/papers/{}/{file}", self.name);
-        serde_json::from_str(text).map_err(|source| DataError { file: file(), source })
-    }
-}
-
-/// Why embedded data cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[error("{file} is not as it should be: {source}")]
-pub struct DataError {
-    /// The file.
-    file: String,
-    /// What is wrong.
-    source: serde_json::Error,
 }

@@ -21,7 +21,7 @@ impl Paper {
         let half = |edge: u32| edge.div_ceil(2);
         let preset = base.preset;
         base.scenes = vec![SceneSource::Catalogue(SCENE.to_owned())];
-        base.ray_sets.retain(|set| self.few_rays.contains(&set.name));
+        base.ray_sets.retain(|set| self.own.few_rays.contains(&set.name));
         base.preset = RunPreset {
             ray_image: preset.ray_image.map(half),
             frame: preset.frame.map(half),

@@ -108,19 +108,23 @@ impl<'p> Quantity<'p> {
     }
 }
 
-/// Kendall's rank correlation of pairs, from -1 (one falls as the other rises) to 1; pairs that are equal in one count as
-/// neither. None below three pairs, which have no order to speak of.
-pub(super) fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
-    let mut sum = 0.0;
+/// Kendall's rank correlation of numbers and what they rank, from -1 (one falls as the other rises) to 1; pairs that are equal in one
+/// count as neither. `order` tells [`sign`] of what two differ by. None below three, which have no order to speak of.
+pub(super) fn rank_correlation<T>(points: &[(f64, T)], order: impl Fn(&T, &T) -> Option<Estimate>) -> Option<Estimate> {
+    let mut sum = Estimate::from(0.0);
     let mut compared = 0_u32;
-    for (index, one) in pairs.iter().enumerate() {
-        for other in &pairs[..index] {
-            let product = (one[0] - other[0]) * (one[1] - other[1]);
-            sum += if product == 0.0 { 0.0 } else { product.signum() };
+    for (index, (one, ranked)) in points.iter().enumerate() {
+        for (other, beside) in &points[..index] {
+            sum = sum + order(ranked, beside)? * sign(one - other);
             compared += 1;
         }
     }
-    (pairs.len() > 2).then(|| sum / f64::from(compared))
+    (points.len() > 2).then(|| sum / f64::from(compared))
+}
+
+/// 1, -1, or 0 of 0.
+pub(super) fn sign(difference: f64) -> f64 {
+    if difference == 0.0 { 0.0 } else { difference.signum() }
 }
 
 /// How often a rank correlation of so many pairs is as strong as this, either way, where the one says nothing of the other: exact, by

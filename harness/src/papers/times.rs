@@ -27,22 +27,6 @@ fn traced_together<'a>(row: &'a Row, sets: &[&str]) -> Option<Timed<'a>> {
     all.try_fold(first, |sum, next| Some(sum.and(next?)))
 }
 
-/// Kendall's rank correlation, as [`super::quantity::rank_correlation`], of numbers and what was timed: a pair whose order the times
-/// leave open counts for either.
-pub(super) fn rank_correlation(record: &Record, points: &[(f64, Timed<'_>)]) -> Option<Estimate> {
-    let mut sum = Estimate::from(0.0);
-    let mut compared = 0_u32;
-    let sign = |value: f64| if value == 0.0 { 0.0 } else { value.signum() };
-    for (index, (one, time)) in points.iter().enumerate() {
-        for (other, other_time) in &points[..index] {
-            let order = (ratio(record, time, other_time)? - 1.0).rising(sign);
-            sum = sum + order * sign(one - other);
-            compared += 1;
-        }
-    }
-    (points.len() > 2).then(|| sum / f64::from(compared))
-}
-
 /// What there is to doubt where a method was measured at one of its launch settings alone.
 const ONE_MEANS: &str = "not measured at other launch settings";
 

@@ -4,10 +4,10 @@ use itertools::Itertools as _;
 use serde::Serialize;
 use tracebench_api::named;
 
+use super::Paper;
 use super::claims::{Claim, Decision, Rule, Test};
 use super::quantity::{OfScene, Quantity};
 use super::rows::Rows;
-use super::{DataError, Paper};
 use crate::results::Record;
 
 named! {
@@ -96,13 +96,13 @@ pub struct MeasuredBy {
 
 impl JudgedClaim {
     fn not_measurable(claim: &Claim, reason: &str) -> Self {
-        Self::without_values(claim.clone(), Verdict::NotMeasurable, reason.to_owned())
+        Self::without_values(claim, Verdict::NotMeasurable, reason.to_owned())
     }
 
-    fn without_values(claim: Claim, verdict: Verdict, reason: String) -> Self {
+    fn without_values(claim: &Claim, verdict: Verdict, reason: String) -> Self {
         let (values, either, unit, median, scenes, measured_by) =
             (Vec::new(), Vec::new(), String::new(), None, [0; 2], None);
-        Self { claim, verdict, reason: Some(reason), values, either, unit, median, scenes, measured_by }
+        Self { claim: claim.clone(), verdict, reason: Some(reason), values, either, unit, median, scenes, measured_by }
     }
 }
 
@@ -122,7 +122,7 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
     let quantities: Option<Vec<_>> = std::iter::once(name).chain(either).map(|name| paper.quantity(name)).collect();
     let Some((experiment, quantities)) = paper.experiment(table).zip(quantities) else {
         let reason = format!("there is no table {table} or no quantity {name}");
-        return JudgedClaim::without_values(claim.clone(), Verdict::NotMeasured, reason);
+        return JudgedClaim::without_values(claim, Verdict::NotMeasured, reason);
     };
     let about = rows.standing_for(experiment, scenes);
     // What stands for nothing decides nothing, and is shown all the same.
@@ -224,31 +224,26 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
 
 /// Judges all claims of a paper by the runs that were made for its tables, of which one may have some rows and another others. A claim
 /// that several runs measure is judged by each; one that none measures is named with the table that would.
-///
-/// # Errors
-/// If the embedded claims are not as they should be.
-pub fn judge_all(paper: &Paper, rows: &[Record]) -> Result<Vec<JudgedClaim>, DataError> {
+pub fn judge_all(paper: &Paper, rows: &[Record]) -> Vec<JudgedClaim> {
     let mut judged = Vec::new();
-    for claim in paper.claims()? {
+    for claim in paper.claims.iter() {
         let table = match &claim.test {
             Test::Measured { table, .. } => table,
             Test::NotMeasurable { not_measurable } => {
-                judged.push(JudgedClaim::not_measurable(&claim, not_measurable));
+                judged.push(JudgedClaim::not_measurable(claim, not_measurable));
                 continue;
             }
         };
-        let before = judged.len();
-        for record in rows.iter().filter(|record| record.table.as_deref() == Some(table)) {
-            judged.push(judge(paper, &claim, &Rows::of(&record.aligned())));
+        let of_table = rows.iter().filter(|record| record.table.as_deref() == Some(table));
+        let mut of_claim: Vec<_> = of_table.map(|record| judge(paper, claim, &Rows::of(&record.aligned()))).collect();
+        if of_claim.iter().any(|each| each.verdict != Verdict::NotMeasured) {
+            of_claim.retain(|each| each.verdict != Verdict::NotMeasured);
         }
-        if judged[before..].iter().any(|each| each.verdict != Verdict::NotMeasured) {
-            let of_claim = judged.split_off(before);
-            judged.extend(of_claim.into_iter().filter(|each| each.verdict != Verdict::NotMeasured));
-        }
-        if judged.len() == before {
+        if of_claim.is_empty() {
             let reason = format!("no record of `tracebench table {table}` was given");
-            judged.push(JudgedClaim::without_values(claim, Verdict::NotMeasured, reason));
+            of_claim.push(JudgedClaim::without_values(claim, Verdict::NotMeasured, reason));
         }
+        judged.extend(of_claim);
     }
-    Ok(judged)
+    judged
 }

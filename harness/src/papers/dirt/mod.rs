@@ -3,41 +3,18 @@
 #[cfg(test)]
 pub(super) mod tests;
 
-use std::sync::LazyLock;
-
 use tracebench_api::MemoryEntry;
 
 use super::rows::{has, integer};
-use super::{Paper, embedded, vvp16};
+use super::{Paper, paper, vvp16};
 use crate::results::Row;
 
 /// The paper.
-pub(super) static PAPER: Paper = Paper {
-    name: "dirt",
-    experiments: LazyLock::new(|| embedded(include_str!("experiments.json"))),
-    few_rays: &["visibility", "diffuse"],
-    pages: LazyLock::new(|| embedded(include_str!("pages.json"))),
-    at_paper: None,
-    published: include_str!("published.json"),
-    claims_table: "dirt-claims",
-    claims: include_str!("claims.json"),
-    told: LazyLock::new(|| embedded(include_str!("quantities.json"))),
-    figures: &[("tiles", tiles), ("formula_bytes", vvp16::formula_bytes), ("ledger_bytes", vvp16::by_formula)],
-    counts: &[
-        ("references", "references"),
-        ("parts", "parts of triangles"),
-        ("occupied_tiles", "occupied tiles"),
-        ("mean_list_length", "mean list"),
-        ("longest_list", "longest list"),
-        ("fragments", "fragments"),
-        ("covered_pixels", "covered pixels"),
-        ("average_layers", "layers of a covered pixel"),
-        ("maximum_layers", "most layers"),
-    ],
-    // What its Table 3 counts of a trace.
-    of_a_trace: &[(DIRT, &["hit buffer: heads", "hit buffer: nodes", "mask texture", "shading buffer"])],
-    by_formula,
-};
+pub(super) static PAPER: Paper = paper!(
+    "dirt",
+    &[("tiles", tiles), ("formula_bytes", vvp16::formula_bytes), ("ledger_bytes", vvp16::by_formula)],
+    by_formula
+);
 
 /// The tracer whose structure the formula of Table 3 is about.
 const DIRT: &str = "dirt";

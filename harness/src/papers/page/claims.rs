@@ -1,6 +1,5 @@
 //! Claims with their verdicts: on an experiment's page, and all of a paper together.
 
-use super::broken;
 use crate::files;
 use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
 use crate::report::document::Document;
@@ -114,13 +113,8 @@ pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, Report
     Ok(files::json(name, &judged)?)
 }
 
-/// All claims of a paper together, by the runs that were made for its tables.
-///
-/// # Errors
-/// If the embedded data is not as it should be.
-pub(crate) fn claims_page(paper: &Paper, rows: &[Record]) -> Result<Document, ReportError> {
-    let published = paper.published().map_err(|error| broken(&error))?;
-    let judged = judged(paper, rows)?;
+/// All claims of a paper together.
+fn claims_page(paper: &Paper, judged: &[JudgedClaim]) -> Document {
     let machines = judged.iter().filter_map(|each| each.measured_by.as_ref()).map(|by| &by.machine).unique();
     let machines = machines.map(|machine| format!("Machine: {machine}"));
     let verdicts = Verdict::ALL.iter().map(|verdict| {
@@ -128,33 +122,26 @@ pub(crate) fn claims_page(paper: &Paper, rows: &[Record]) -> Result<Document, Re
         format!("{}: {count}", verdict.name())
     });
     let items = machines.chain(verdicts).map(|item| Document::default().item(item));
-    let title = format!("Claims of {}", published.paper.title);
-    Ok(Document::titled(&title).and(items).paragraph(HOW).table(table(&judged, true)))
+    let title = format!("Claims of {}", paper.published.paper.title);
+    Document::titled(&title).and(items).paragraph(HOW).table(table(judged, true))
 }
 
 /// The claims of every paper for one of whose tables a run was made, a page a paper.
-///
-/// # Errors
-/// If the embedded data is not as it should be.
-pub fn claims_of(rows: &[Record]) -> Result<Vec<Document>, ReportError> {
+pub fn claims_of(rows: &[Record]) -> Vec<Document> {
     let is_of = |paper: &&&Paper| {
-        let tables = rows.iter().filter_map(|record| record.table.as_deref());
-        tables.into_iter().any(|table| paper.experiments.iter().any(|experiment| experiment.name == table))
+        let mut tables = rows.iter().filter_map(|record| record.table.as_deref());
+        tables.any(|table| paper.experiment(table).is_some())
     };
-    PAPERS.iter().filter(is_of).map(|paper| claims_page(paper, rows)).collect()
-}
-
-fn judged(paper: &Paper, rows: &[Record]) -> Result<Vec<JudgedClaim>, ReportError> {
-    judge_all(paper, rows).map_err(|error| broken(&error))
+    PAPERS.iter().filter(is_of).map(|paper| claims_page(paper, &judge_all(paper, rows))).collect()
 }
 
 /// All claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`.
 ///
 /// # Errors
-/// If the embedded data is not as it should be.
+/// If they cannot be written as JSON.
 pub(crate) fn claims_report(paper: &Paper, rows: &[Record]) -> Result<Report, ReportError> {
-    let stem = format!("claims_{}", paper.name);
+    let (stem, judged) = (format!("claims_{}", paper.name), judge_all(paper, rows));
     let name = format!("{stem}.json");
-    let data = vec![(name.clone(), json(&name, &judged(paper, rows)?)?)];
-    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, rows)?)], data, ..Report::default() })
+    let data = vec![(name.clone(), json(&name, &judged)?)];
+    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, &judged))], data, ..Report::default() })
 }

@@ -54,7 +54,7 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
 fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
     let timed = scene.rows.iter().any(|row| !row.traces.is_empty());
     let known = |name: &str| scene.rows.iter().any(|row| row.structure_statistics.contains_key(name));
-    let counts = page.paper.counts.iter().filter(|(name, _)| known(name));
+    let counts = page.paper.own.counts.iter().filter(|(name, _)| known(name));
     let count = |(name, heading): &(&'static str, &'static str)| {
         let name = *name;
         Column::new(*heading, move |row: &&Row| rows::statistic(row, name).map(Cell::Statistic))

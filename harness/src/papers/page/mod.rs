@@ -9,7 +9,7 @@ pub(super) mod told;
 pub use claims::claims_of;
 pub(crate) use claims::claims_report;
 
-use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};
+use super::{Experiment, Paper, PublishedTable, Rows, judge};
 use crate::report::chart::series::series;
 use crate::report::document::Document;
 use crate::report::{Report, ReportError, peers, summary};
@@ -23,14 +23,18 @@ pub(crate) struct Page<'a> {
     pub experiment: &'a Experiment,
     /// What was measured.
     pub rows: &'a Rows<'a>,
-    /// What the paper printed.
-    pub published: &'a [PublishedTable],
 }
 
-impl<'a> Page<'a> {
-    /// The published table that the page stands beside, the first where there are several.
-    pub(super) fn printed(&self) -> Option<&'a PublishedTable> {
-        self.published.iter().find(|table| self.experiment.published.contains(&table.id.as_str()))
+impl Page<'_> {
+    /// The published tables that the page stands beside.
+    fn beside(&self) -> impl Iterator<Item = &'static PublishedTable> {
+        let is_beside = |table: &&PublishedTable| self.experiment.published.contains(&table.id.as_str());
+        self.paper.published.tables.iter().filter(is_beside)
+    }
+
+    /// The first of them.
+    pub(super) fn printed(&self) -> Option<&'static PublishedTable> {
+        self.beside().next()
     }
 
     /// What stands there in a column of the scene that a row's scene stands for, with further labels.
@@ -40,28 +44,20 @@ impl<'a> Page<'a> {
     }
 }
 
-fn broken(error: &DataError) -> ReportError {
-    ReportError::NotMade { what: "the page".to_owned(), reason: error.to_string() }
-}
-
 /// An experiment over a run.
 pub(crate) fn report(paper: &'static Paper, experiment: &Experiment, record: &Record) -> Result<Report, ReportError> {
     let mut record = record.clone();
     record.rows.retain(|one| experiment.holds(&one.tracer.name));
     let rows = Rows::of(&record);
-    let published = paper.published().map_err(|error| broken(&error))?;
-    let all = paper.claims().map_err(|error| broken(&error))?;
-    let own = all.iter().filter(|claim| claim.table() == Some(experiment.name));
+    let own = paper.claims.iter().filter(|claim| claim.table() == Some(experiment.name));
     let judged: Vec<_> = own.map(|claim| judge(paper, claim, &rows)).collect();
-    let page = Page { paper, experiment, rows: &rows, published: &published.tables };
+    let page = Page { paper, experiment, rows: &rows };
     let charts = experiment.charts.iter().filter_map(|name| paper.pages.charts.get(*name));
     let charts: Vec<_> = charts.flat_map(|told| told::charts(&page, told)).collect();
-    let is_beside = |table: &&PublishedTable| experiment.published.contains(&table.id.as_str());
-    let beside: Vec<_> = published.tables.iter().filter(is_beside).collect();
     let document =
         summary::head(&record, &format!("Table {}: {}", experiment.name, experiment.summary))
             .and(notes(experiment, &rows))
-            .and(published::section(&published.paper, &beside))
+            .and(published::section(&paper.published.paper, &page.beside().collect::<Vec<_>>()))
             .and(measured::sections(&page))
             .and(charts.into_iter().map(|chart| {
                 Document::default().chart(chart.stem.clone(), chart.title.clone(), series(&record, chart))

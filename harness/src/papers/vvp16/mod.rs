@@ -6,23 +6,13 @@ mod table2;
 #[cfg(test)]
 pub(super) mod tests;
 
-use std::sync::LazyLock;
-
-use super::{Paper, embedded};
+use super::{Paper, paper};
 use crate::results::Row;
 
 /// The paper.
-pub(super) static PAPER: Paper = Paper {
-    name: "vvp16",
-    experiments: LazyLock::new(|| embedded(include_str!("experiments.json"))),
-    few_rays: &["diffuse", "pixel-random"],
-    pages: LazyLock::new(|| embedded(include_str!("pages.json"))),
-    at_paper: None,
-    published: include_str!("published.json"),
-    claims_table: "vvp16-claims",
-    claims: include_str!("claims.json"),
-    told: LazyLock::new(|| embedded(include_str!("quantities.json"))),
-    figures: &[
+pub(super) static PAPER: Paper = paper!(
+    "vvp16",
+    &[
         ("formula_bytes", formula_bytes),
         ("ledger_bytes", by_formula),
         ("ledger_bytes_of_pixels", |row| Some(table2::ledger(row)[0])),
@@ -32,17 +22,8 @@ pub(super) static PAPER: Paper = Paper {
         ("formula_bytes_of_ids", |row| Some(table2::formula(row)?[1])),
         ("formula_bytes_of_data", |row| Some(table2::formula(row)?[2])),
     ],
-    counts: &[
-        ("references", "references"),
-        ("fragments", "fragments"),
-        ("covered_pixels", "covered pixels"),
-        ("average_layers", "layers of a covered pixel"),
-        ("maximum_layers", "most layers"),
-    ],
-    // Its data are in the structure.
-    of_a_trace: &[],
-    by_formula,
-};
+    by_formula
+);
 
 /// What Table 2 counts: the words of pixels, the id buffer and the data buffer.
 pub(super) fn by_formula(row: &Row) -> Option<f64> {

@@ -41,7 +41,7 @@ const SCRIPT: &str = concat!(include_str!("budget.js"), include_str!("page.js"))
 const RULES: &str = include_str!("../../../../RULES.md");
 
 /// Says what papers' claims come to by records of their tables, a page a paper. Claims know reports, reports know no claim.
-pub type Claims = fn(&[Record]) -> Result<Vec<Document>, ReportError>;
+pub type Claims = fn(&[Record]) -> Vec<Document>;
 
 /// What a page is made of besides records.
 #[derive(Clone, Copy)]
@@ -116,7 +116,7 @@ pub fn page(
     let rows: Vec<Record> =
         all.iter().filter(|read| read.record.table.is_some()).map(|read| read.record.clone().into_owned()).collect();
     let mut tables = pages(Section::Table)?;
-    tables.extend((makers.claims)(&rows)?.iter().map(|page| records::claims(page, &names)));
+    tables.extend((makers.claims)(&rows).iter().map(|page| records::claims(page, &names)));
     sections.add("tables", "Tables and claims beside the published values", tables);
     sections.add("matrix", "The matrix", pages(Section::Matrix)?);
     sections.add("causes", "Causes of wrong answers", causes::causes(&places, &names));
