@@ -18,7 +18,7 @@ use crate::plan::{
 };
 use crate::rays::{BETWEEN_SAMPLES, MAX_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Adaptive, SampleSchedule};
-use crate::tables::{self, Table};
+use crate::tables::{self, Table, exact};
 
 #[derive(Args)]
 pub(super) struct RunArguments {
@@ -208,37 +208,21 @@ fn trace_to(text: &str) -> Result<TraceTo, String> {
 }
 
 impl CommonArguments {
-    pub(super) fn view(&self) -> ViewRequest {
-        self.view.clone().map_or(ViewRequest::Default, ViewRequest::Named)
-    }
-
-    /// The plan of one tracer, which must run, in one scene.
-    pub(super) fn plan_of_one(
-        &self,
-        scene: &OsStr,
-        tracer: &TracerRequest,
-        ray_sets: Vec<RaySet>,
-        preset: RunPreset,
-    ) -> Result<Plan, CliError> {
-        let tracers = vec![TracerRequest { required: true, ..tracer.clone() }];
-        self.plan_of(names::scene(scene)?, tracers, ray_sets, preset)
-    }
-
-    /// The plan of tracers in one scene.
+    /// The plan of tracers and ray sets in some scenes.
     pub(super) fn plan_of(
         &self,
-        scene: SceneSource,
+        scenes: Vec<SceneSource>,
         tracers: Vec<TracerRequest>,
         ray_sets: Vec<RaySet>,
         preset: RunPreset,
     ) -> Result<Plan, CliError> {
         Ok(Plan {
-            scenes: vec![scene],
+            scenes,
             tracers,
             ray_sets,
             ray_parameters: names::ray_values(&self.settings)?,
             preset: RunPreset { scene_scale: self.scale.unwrap_or(preset.scene_scale), ..preset },
-            view: self.view(),
+            view: self.view.clone().map_or(ViewRequest::Default, ViewRequest::Named),
             time_s: self.animation_time,
             seed: 1,
             trace_to: TraceTo::Hit,
@@ -265,13 +249,13 @@ impl TableArguments {
                 tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect()
             }
             (None, Table::Claims(_)) => Vec::new(),
-            (None, Table::Study(_)) => names::scenes(OsStr::new("all"))?,
+            (None, Table::Exact) => names::scenes(OsStr::new("all"))?,
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Settings(peers) => names::peers(peers, settings)?,
             Table::Claims(_) => Vec::new(),
-            Table::Study(study) => names::tracers(self.tracer.as_deref().unwrap_or(&(study.tracers)()), settings)?,
+            Table::Exact => names::tracers(self.tracer.as_deref().unwrap_or(&exact::tracer()), settings)?,
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;
@@ -306,16 +290,15 @@ impl WorkArguments {
     /// The plan, but for the preset, which waits for the adapter if it is not given.
     pub(super) fn plan(&self, selection: Selection, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
         let Selection { scenes, tracers, ray_sets, table, between_samples } = selection;
-        let view = self.common.view();
         let preset = match &self.preset {
             Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
             None => RunPreset::for_adapter(hardware()),
         };
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
-        let study = table.and_then(tables::study);
-        let is_timed = study.is_none_or(|study| study.is_timed);
-        let preset = if is_timed { preset } else { RunPreset { sampling: SampleSchedule::rounds(1), ..preset } };
-        let own = study.iter().flat_map(|study| study.settings).map(|setting| (*setting).to_owned());
+        let is_exact = table == Some(exact::NAME);
+        // Nobody asks it for times.
+        let preset = if is_exact { RunPreset { sampling: SampleSchedule::rounds(1), ..preset } } else { preset };
+        let own = exact::SETTINGS.iter().filter(|_| is_exact).map(|setting| (*setting).to_owned());
         let settings: Vec<String> = own.chain(self.common.settings.iter().cloned()).collect();
         let frame = self.frame_size.unwrap_or(preset.frame);
         let own_image = match between_samples {
@@ -327,23 +310,15 @@ impl WorkArguments {
             frame,
             face: self.face_size.unwrap_or(preset.face),
             sampling: self.sampling(preset.sampling),
-            scene_scale: self.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         };
-        let ray_parameters = names::ray_values(&settings)?;
-        let time_s = self.common.animation_time;
         Ok(Plan {
-            scenes,
-            tracers,
-            ray_sets,
-            ray_parameters,
-            preset,
-            view,
-            time_s,
+            ray_parameters: names::ray_values(&settings)?,
             seed: self.seed,
             trace_to: self.trace_to,
             wrong_rays_per_cause: self.wrong_rays,
             table,
+            ..self.common.plan_of(scenes, tracers, ray_sets, preset)?
         })
     }
 }

@@ -12,7 +12,7 @@ use super::work::{needs_device, wait_for_turn};
 use super::{CliError, names, open_device};
 use crate::files::{self, OutputFolder};
 use crate::measure::{Context, Journal};
-use crate::plan::{RUN_PRESETS, RunPreset, SAMPLING};
+use crate::plan::{RUN_PRESETS, RunPreset, SAMPLING, TracerRequest};
 use crate::progress::Progress;
 use crate::results::{Provenance, SampleSchedule};
 use crate::studies::clock::{self, ClockRecord, ClockTrial};
@@ -78,7 +78,8 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
     let preset = RunPreset::named(&arguments.preset)
         .ok_or_else(|| CliError::Argument(format!("no preset '{}'", arguments.preset)))?;
     let preset = RunPreset { sampling: arguments.samples.map_or(SAMPLING, SampleSchedule::rounds), ..preset };
-    let plan = arguments.common.plan_of_one(&arguments.scene, tracer, ray_sets, preset)?;
+    let tracers = vec![TracerRequest { required: true, ..tracer.clone() }];
+    let plan = arguments.common.plan_of(vec![names::scene(&arguments.scene)?], tracers, ray_sets, preset)?;
     let needed = needs_device(&plan.tracers);
     let device = open_device(&arguments.common.device, needed, needed)?;
     let out = arguments.out.as_deref().map(OutputFolder::open).transpose()?;

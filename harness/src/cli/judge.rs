@@ -95,7 +95,7 @@ pub(super) fn rays(arguments: &RaysArguments, progress: &Progress) -> Result<(),
         return Err(CliError::Argument("--rays: sets that were read are files already; copy their folders".to_owned()));
     }
     let preset = RunPreset { ray_image: *size, ..RunPreset::for_adapter(false) };
-    let plan = Plan { seed: *seed, ..common.plan_of(names::scene(scene)?, Vec::new(), sets, preset)? };
+    let plan = Plan { seed: *seed, ..common.plan_of(vec![names::scene(scene)?], Vec::new(), sets, preset)? };
     let folder = out.as_deref().map_or_else(fresh_folder, OutputFolder::open)?;
     let written = write(&plan, &folder, progress).inspect_err(|_| folder.abandon())?;
     print(&format!("{written}{}\n", folder.path().display()))

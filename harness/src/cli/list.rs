@@ -12,7 +12,7 @@ use crate::cases::{CASES, Case};
 use crate::plan::TracerRequest;
 use crate::rays::{HOSTILE, RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
-use crate::tables::Table;
+use crate::tables::{Table, exact};
 
 #[derive(Args)]
 pub(super) struct ListArguments {
@@ -163,7 +163,7 @@ fn rows(table: Table) -> Vec<String> {
         Table::Settings(peers) => peers.configs(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
         Table::Claims(_) => Vec::new(),
-        Table::Study(study) => return vec![(study.tracers)()],
+        Table::Exact => return vec![exact::tracer()],
     };
     requests.iter().map(TracerRequest::argument).unique().collect()
 }
@@ -177,7 +177,7 @@ fn tables() -> Vec<Value> {
         match table {
             Table::Settings(peers) if peers.reference().is_empty() => {}
             Table::Settings(peers) => item["reference"] = json!(peers.reference()),
-            Table::Study(_) => {}
+            Table::Exact => {}
             Table::Claims(paper) => item["paper"] = json!(paper.name),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);

@@ -18,20 +18,20 @@ use crate::progress::Progress;
 use crate::report;
 use crate::results::Record;
 use crate::studies::tune::{Label, Tuning};
-use crate::tables::{self, Table};
+use crate::tables::{self, Table, exact};
 
 pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(), CliError> {
     let table = names::table(&arguments.name)?;
     if let Table::Claims(paper) = table {
         return claims(paper, &arguments.from, arguments.work.output.out.as_deref());
     }
-    let is_study = matches!(table, Table::Study(_));
+    let is_exact = matches!(table, Table::Exact);
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.few_rows;
     let common = &arguments.work.common;
     let refused = [
-        (is_study && common.view.is_some(), "--view", "has viewpoints of its own"),
-        (!is_study && arguments.tracer.is_some(), "--tracer", "has its own"),
+        (is_exact && common.view.is_some(), "--view", "has viewpoints of its own"),
+        (!is_exact && arguments.tracer.is_some(), "--tracer", "has its own"),
         (!matches!(table, Table::Paper(..)) && of_papers, "--only, --tuned, --few-rows, --estimate", "is no paper's"),
     ];
     if let Some((_, options, why)) = refused.into_iter().find(|(is_refused, ..)| *is_refused) {
@@ -51,8 +51,8 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
             work.measure("table", progress)?;
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
-        Table::Study(study) => {
-            let plans = (study.plans)(&work.plan);
+        Table::Exact => {
+            let plans = exact::plans(&work.plan);
             let words = described("table", &plans, Value::Null);
             let record = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
             print_table(table, work.bench.out.path())?;
@@ -155,9 +155,9 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
     all_right(table, &record)
 }
 
-/// That nothing speaks against what a study measured.
+/// That nothing speaks against what was measured.
 fn all_right(table: Table, record: &Record) -> Result<(), CliError> {
-    let fault = if let Table::Study(study) = table { (study.fault)(record) } else { None };
+    let fault = if let Table::Exact = table { exact::fault(record) } else { None };
     fault.map_or(Ok(()), |fault| Err(CliError::Other(fault)))
 }
 

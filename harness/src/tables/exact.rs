@@ -4,7 +4,6 @@ use itertools::Itertools as _;
 
 use tracebench_api::Preset;
 
-use super::Study;
 use crate::plan::{Plan, ViewRequest};
 use crate::registry;
 use crate::report::document::Document;
@@ -16,32 +15,27 @@ use crate::results::{Record, Row, TraceRecord};
 /// From so many viewpoints a scene is seen.
 const VIEWPOINTS: usize = 5;
 
-/// The table. Nobody asks it for times, and no set of it is to outweigh the others.
-pub(super) const STUDY: Study = Study {
-    name: "exact",
-    summary: "whether a tracer has any wrong ray: every ray set from five viewpoints of every scene, with status 1 if it has",
-    rays: "all",
-    tracers: tracer,
-    settings: &["rays.pixel_random_count=2"],
-    is_timed: false,
-    plans,
-    page,
-    fault,
-};
+/// Its stable name.
+pub const NAME: &str = "exact";
+/// What it shows, in one line.
+pub(super) const SUMMARY: &str =
+    "whether a tracer has any wrong ray: every ray set from five viewpoints of every scene, with status 1 if it has";
+/// What is set where nothing else is said: no ray set of it is to outweigh the others.
+pub const SETTINGS: [&str; 1] = ["rays.pixel_random_count=2"];
 
-/// The first tracer with analytic hits whose weaknesses a remedy sequence takes away, as improved.
-fn tracer() -> String {
+/// The tracer where none is named: the first with analytic hits whose weaknesses a remedy sequence takes away, as improved.
+pub fn tracer() -> String {
     let first = registry::first(|each| each.is_analytic() && !each.remedies.is_empty());
     first.map_or_else(String::new, |first| format!("{}:{}", first.name(), Preset::Improved.name()))
 }
 
 /// A plan from each viewpoint: the scene's own cameras first, then others on the circle through its default one.
-fn plans(plan: &Plan) -> Vec<Plan> {
+pub fn plans(plan: &Plan) -> Vec<Plan> {
     (0..VIEWPOINTS).map(|place| Plan { view: ViewRequest::Nth(place, VIEWPOINTS), ..plan.clone() }).collect()
 }
 
-/// That rays are wrong.
-fn fault(record: &Record) -> Option<String> {
+/// That rays are wrong: `table` fails with it.
+pub fn fault(record: &Record) -> Option<String> {
     let wrong = counts(record.rows.iter().flat_map(|row| &row.traces))[1];
     (wrong > 0).then(|| format!("{wrong} rays are wrong under `tight`"))
 }
@@ -57,7 +51,8 @@ fn counts<'a>(traces: impl IntoIterator<Item = &'a TraceRecord>) -> [u64; 3] {
     traces.into_iter().map(of).fold([0; 3], add)
 }
 
-fn page(record: &Record, title: &str) -> Document {
+/// Its page below a title.
+pub(super) fn page(record: &Record, title: &str) -> Document {
     let rows: Vec<TableRow<'_>> =
         record.rows.iter().flat_map(|row| row.traces.iter().map(move |trace| (row, trace))).collect();
     let [count, wrong, ambiguous_rays] = counts(rows.iter().map(|(_, trace)| *trace));

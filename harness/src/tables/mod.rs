@@ -1,15 +1,13 @@
 //! Every table that `tracebench table` makes: of tracers at settings, of studies, of the papers' tables and figures, and of
 //! their claims.
 
-mod exact;
+pub mod exact;
 
 use std::path::PathBuf;
 
 use crate::files::OutputFolder;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers;
-use crate::plan::Plan;
-use crate::report::document::Document;
 use crate::report::{self, Report, ReportError};
 use crate::results::Record;
 
@@ -18,51 +16,17 @@ use crate::results::Record;
 pub enum Table {
     /// Tracers at settings, a row each.
     Settings(&'static peers::Table),
-    /// A study.
-    Study(&'static Study),
+    /// Whether a tracer has any wrong ray.
+    Exact,
     /// A paper's table or figure.
     Paper(&'static Paper, &'static Experiment),
     /// All that a paper claims, by runs of its tables.
     Claims(&'static Paper),
 }
 
-/// A study that is a table: what it measures, and what it tells of that.
-#[derive(Debug)]
-pub struct Study {
-    /// Its stable name.
-    pub name: &'static str,
-    /// What it shows, in one line.
-    pub summary: &'static str,
-    /// Ray sets where nothing else is said, as `--rays` takes them.
-    pub rays: &'static str,
-    /// Tracers where none is named, as `--tracer` takes them.
-    pub tracers: fn() -> String,
-    /// What is set where nothing else is said.
-    pub settings: &'static [&'static str],
-    /// Whether it is asked for times; else everything is sampled once.
-    pub is_timed: bool,
-    /// What is measured, of a plan over its scenes.
-    pub plans: fn(&Plan) -> Vec<Plan>,
-    /// Its page below a title.
-    pub(crate) page: fn(&Record, &str) -> Document,
-    /// What speaks against the tracers: `table` fails with it.
-    pub fault: fn(&Record) -> Option<String>,
-}
-
-/// Every study that is a table, a line each.
-const STUDIES: &[&Study] = &[&exact::STUDY];
-
-/// The study of a table.
-pub fn study(table: &str) -> Option<&'static Study> {
-    STUDIES.iter().find(|study| study.name == table).copied()
-}
-
-/// What is said of the option by which studies take tracers.
+/// What is said of the option by which tables take tracers.
 pub fn tracer_help() -> String {
-    let each = |study: &&Study| {
-        format!("Of table {} the tracers, as `run` takes them; {} if not given", study.name, (study.tracers)())
-    };
-    STUDIES.iter().map(each).collect::<Vec<_>>().join(". ")
+    format!("Of table {} the tracers, as `run` takes them; {} if not given", exact::NAME, exact::tracer())
 }
 
 impl Table {
@@ -73,10 +37,7 @@ impl Table {
             let experiments = paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment));
             experiments.chain([Self::Claims(paper)])
         };
-        peers::all()
-            .map(Self::Settings)
-            .chain(STUDIES.iter().map(|study| Self::Study(study)))
-            .chain(PAPERS.iter().flat_map(of))
+        peers::all().map(Self::Settings).chain([Self::Exact]).chain(PAPERS.iter().flat_map(of))
     }
 
     /// Finds a table by name.
@@ -88,7 +49,7 @@ impl Table {
     fn words(self) -> [&'static str; 3] {
         match self {
             Self::Settings(table) => [table.name, table.summary, table.rays],
-            Self::Study(study) => [study.name, study.summary, study.rays],
+            Self::Exact => [exact::NAME, exact::SUMMARY, "all"],
             Self::Paper(_, experiment) => [experiment.name, experiment.summary, experiment.rays],
             Self::Claims(paper) => [
                 paper.claims_table,
@@ -117,7 +78,7 @@ impl Table {
     pub fn holds(self, tracer: &str) -> bool {
         match self {
             Self::Settings(table) => table.holds(tracer),
-            Self::Study(_) => true,
+            Self::Exact => true,
             Self::Paper(_, experiment) => experiment.holds(tracer),
             Self::Claims(_) => false,
         }
@@ -127,9 +88,9 @@ impl Table {
     fn report(self, record: &Record) -> Result<Report, ReportError> {
         Ok(match self {
             Self::Settings(table) => report::peers::report(table, record),
-            Self::Study(study) => {
-                let page = (study.page)(record, &format!("Table {}: {}", study.name, study.summary));
-                Report::of_page(format!("{}.md", report::peers::stem(study.name)), page)
+            Self::Exact => {
+                let page = exact::page(record, &format!("Table {}: {}", self.name(), self.summary()));
+                Report::of_page(format!("{}.md", report::peers::stem(self.name())), page)
             }
             Self::Paper(paper, experiment) => papers::report(paper, experiment, record)?,
             Self::Claims(paper) => papers::claims_report(paper, std::slice::from_ref(record))?,
