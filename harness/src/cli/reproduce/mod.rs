@@ -19,7 +19,6 @@ use crate::launch;
 use crate::plan::{RUN_PRESETS, RunPreset};
 use crate::progress::{self, Progress};
 use crate::report;
-use steps::Step;
 use turn::{Turn, wait_while};
 
 #[derive(Args)]
@@ -72,21 +71,31 @@ enum State {
     LeftOut,
 }
 
-/// A step and what came of it.
+/// A measurement by one of the program's own verbs, and what came of it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-struct Taken {
+struct Step {
+    /// Its folder.
     name: String,
+    /// The program's arguments, without the folder.
     arguments: Vec<String>,
     state: State,
     /// Over all that it was gone on with.
     took_s: f64,
 }
 
+impl Step {
+    /// One that was not reached yet.
+    fn new(name: impl Into<String>, arguments: &[&str]) -> Self {
+        let arguments = arguments.iter().map(|&word| word.to_owned()).collect();
+        Self { name: name.into(), arguments, state: State::LeftOut, took_s: 0.0 }
+    }
+}
+
 /// What is in the folder of all.
 #[derive(Debug, Deserialize, Serialize)]
 struct Reproduction {
     preset: Option<String>,
-    steps: Vec<Taken>,
+    steps: Vec<Step>,
 }
 
 /// The file of [`Reproduction`].
@@ -130,19 +139,20 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         refuse_another(out, None)?;
     }
     let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), out)?;
-    let all = with_preset(steps::steps(whole, on_hardware(preset.as_deref())), preset.as_deref());
+    let steps = with_preset(steps::steps(whole, on_hardware(preset.as_deref())), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
     // There from the start: what is broken off in the first step can be gone on with.
-    let mut found = Reproduction { preset, steps: rest_of(&all, &before) };
+    let mut found = Reproduction { preset, steps: as_left(steps, &before) };
     if found.steps.iter().all(|step| step.state == State::Done) {
         progress::to_stderr(&format!("the reproduction in {} is complete: nothing is measured", out.display()));
     }
     write(&folder, &found)?;
     let mut pages_written: Option<Instant> = None;
     let mut busy = None;
-    for (index, step) in all.iter().enumerate() {
+    for index in 0..found.steps.len() {
         // What was broken off, failed or was left out has another turn.
-        let state = found.steps[index].state.clone();
+        let step = found.steps[index].clone();
+        let state = step.state.clone();
         if state == State::Done || is_over() || stop::asked() {
             continue;
         }
@@ -151,10 +161,10 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
             found.steps[index].state = State::BrokenOff;
             write(&folder, &found)?;
         }
-        let turn = Turn { step, folder: out.join(&step.name), ends, launch: launch_of(out), progress };
-        let passed = begun.elapsed().as_secs();
-        let what = format!("{} of {}, after {passed} s: {}", index + 1, all.len(), step.arguments.join(" "));
-        let Some((now, seconds)) = turn.take(&state, &what)? else {
+        let turn = Turn { step: &step, folder: out.join(&step.name), ends, launch: launch_of(out), progress };
+        let (passed, count) = (begun.elapsed().as_secs(), found.steps.len());
+        let what = format!("{} of {count}, after {passed} s: {}", index + 1, step.arguments.join(" "));
+        let Some((now, seconds)) = turn.take(&what)? else {
             found.steps[index].state = state;
             write(&folder, &found)?;
             busy = Some(turn.folder);
@@ -196,7 +206,7 @@ fn own(out: &Path, progress: &Progress) -> Result<OutputFolder, CliError> {
 
 /// What is missing of the steps, for the page of what is there.
 fn missing(found: &Reproduction) -> Vec<String> {
-    let told = |one: &Taken| match &one.state {
+    let told = |one: &Step| match &one.state {
         State::Done => None,
         State::BrokenOff => Some(format!("{}: broken off", one.name)),
         State::Failed(reason) => Some(format!("{}: failed, {reason}", one.name)),
@@ -247,20 +257,14 @@ fn on_hardware(preset: Option<&str>) -> bool {
 }
 
 /// Steps as they were left.
-fn rest_of(steps: &[Step], before: &[Taken]) -> Vec<Taken> {
-    let of = |step: &Step| {
-        before.iter().find(|one| one.arguments == step.arguments).cloned().unwrap_or_else(|| left_out(step))
-    };
-    steps.iter().map(of).collect()
-}
-
-fn left_out(step: &Step) -> Taken {
-    Taken { name: step.name.clone(), arguments: step.arguments.clone(), state: State::LeftOut, took_s: 0.0 }
+fn as_left(steps: Vec<Step>, before: &[Step]) -> Vec<Step> {
+    let left = |step: &Step| before.iter().find(|one| one.arguments == step.arguments).cloned();
+    steps.into_iter().map(|step| left(&step).unwrap_or(step)).collect()
 }
 
 /// Out of time is as it was asked for; steps that failed are not.
 fn outcome(found: &Reproduction) -> Result<(), CliError> {
-    let told = |one: &Taken| match &one.state {
+    let told = |one: &Step| match &one.state {
         State::Failed(reason) => Some(format!("{}: {reason}", one.name)),
         _ => None,
     };
@@ -334,8 +338,8 @@ mod tests {
     #[test]
     fn steps_are_kept_as_they_were_left() {
         let all = with_preset(steps::steps(false, false), Some("smoke"));
-        let failed = Taken { state: State::Failed("no room".to_owned()), took_s: 3.0, ..left_out(&all[1]) };
-        let rest = rest_of(&all[..3], std::slice::from_ref(&failed));
+        let failed = Step { state: State::Failed("no room".to_owned()), took_s: 3.0, ..all[1].clone() };
+        let rest = as_left(all[..3].to_vec(), std::slice::from_ref(&failed));
         assert_eq!(
             rest.iter().map(|one| &one.state).collect::<Vec<_>>(),
             [&State::LeftOut, &failed.state, &State::LeftOut]

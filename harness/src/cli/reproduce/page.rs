@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::{Reproduction, State, Taken};
+use super::{Reproduction, State, Step};
 use crate::cli::CliError;
 use crate::files::OutputFolder;
 use crate::report::sheet::Sheet;
@@ -14,7 +14,7 @@ pub(super) const PAGE: &str = "reproduce.md";
 
 /// Writes the page into the folder of all.
 pub(super) fn write(found: &Reproduction, out: &OutputFolder, took: Duration) -> Result<PathBuf, CliError> {
-    let pages = |step: &Taken| pages(&out.path().join(&step.name));
+    let pages = |step: &Step| pages(&out.path().join(&step.name));
     let text = text(found, &out.path().display().to_string(), took, pages);
     Ok(out.write(PAGE, text.as_bytes())?)
 }
@@ -28,14 +28,14 @@ fn pages(folder: &Path) -> Vec<String> {
     pages
 }
 
-fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) -> Vec<String>) -> String {
+fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Step) -> Vec<String>) -> String {
     let done = found.steps.iter().filter(|step| step.state == State::Done).count();
     let mut text = format!(
         "# Reproduction: {done} of {} steps, this time in {} s\n\nEvery page names its machine, and how much of its table was measured.\n\n",
         found.steps.len(),
         took.as_secs()
     );
-    let sheet = Sheet::<&Taken>::new()
+    let sheet = Sheet::<&Step>::new()
         .column("step", |step| step.name.clone())
         .column("state", |step| match &step.state {
             State::Done => "measured".to_owned(),
@@ -49,7 +49,7 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
             links.collect::<Vec<_>>().join(", ")
         })
         .column("by itself", |step| command(step));
-    let (left, taken): (Vec<&Taken>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
+    let (left, taken): (Vec<&Step>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
     text += &sheet.table(&taken).markdown();
     if !left.is_empty() {
         text += "\n## Left out\n\nThese were not reached. With more time `reproduce` goes on:\n\n```sh\n";
@@ -61,7 +61,7 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
     text
 }
 
-fn command(step: &Taken) -> String {
+fn command(step: &Step) -> String {
     format!("`tracebench {}`", step.arguments.join(" "))
 }
 
@@ -69,8 +69,8 @@ fn command(step: &Taken) -> String {
 mod tests {
     use super::*;
 
-    fn step(name: &str, state: State) -> Taken {
-        Taken { name: name.to_owned(), arguments: vec!["table".to_owned(), name.to_owned()], state, took_s: 1.6 }
+    fn step(name: &str, state: State) -> Step {
+        Step { name: name.to_owned(), arguments: vec!["table".to_owned(), name.to_owned()], state, took_s: 1.6 }
     }
 
     /// Proves that the page counts what was measured, links its pages, tells why a step failed, and lists what was left out and nothing

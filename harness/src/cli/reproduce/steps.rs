@@ -3,23 +3,9 @@
 use itertools::Itertools as _;
 use tracebench_api::Domain;
 
+use super::Step;
 use crate::papers::{Experiment, PAPERS};
 use crate::registry::{Family, Registration, TRACERS};
-
-/// A measurement by one of the program's own verbs.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Step {
-    /// Its folder.
-    pub name: String,
-    /// The program's arguments, without the folder.
-    pub arguments: Vec<String>,
-}
-
-impl Step {
-    fn new(name: impl Into<String>, arguments: &[&str]) -> Self {
-        Self { name: name.into(), arguments: arguments.iter().map(|&word| word.to_owned()).collect() }
-    }
-}
 
 /// The scene of what comes first.
 const SCENE: &str = "room";

@@ -7,8 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::State;
-use super::steps::Step;
+use super::{State, Step};
 use crate::cli::{CliError, stop};
 use crate::files::OutputFolder;
 use crate::launch;
@@ -41,8 +40,8 @@ pub(super) struct Turn<'a> {
 impl Turn<'_> {
     /// Measures the step until it ends, is out of time or is stopped; with the seconds that it took. `None` if another process
     /// measures it.
-    pub fn take(&self, earlier: &State, what: &str) -> Result<Option<(State, f64)>, CliError> {
-        let begun = Instant::now();
+    pub fn take(&self, what: &str) -> Result<Option<(State, f64)>, CliError> {
+        let (begun, earlier) = (Instant::now(), &self.step.state);
         let free = wait_while(|| OutputFolder::is_busy(&self.folder), &self.folder, self.ends, self.progress);
         let is_settled = !matches!(earlier, State::Failed(_)) && self.has_ended();
         let state = if is_settled {
