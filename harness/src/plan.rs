@@ -200,6 +200,13 @@ impl TracerRequest {
         chosen.map(|(name, value)| (name.to_owned(), value.clone())).collect::<Vec<_>>().into_iter()
     }
 
+    /// Whether one structure serves both: they differ in parameters of the trace alone.
+    pub fn shares_structure_with(&self, other: &Self) -> bool {
+        self.name() == other.name()
+            && self.resolution == other.resolution
+            && self.build_parameters().eq(other.build_parameters())
+    }
+
     /// The tracer as `--tracer` takes it.
     pub fn argument(&self) -> String {
         let own = self.parameters.iter().filter(|(name, _)| self.changed.iter().any(|changed| changed == name));

@@ -271,6 +271,11 @@ impl TableArguments {
 }
 
 impl WorkArguments {
+    /// Whether it says how long times are sampled.
+    pub(super) fn says_how_long(&self) -> bool {
+        self.samples.is_some() || self.ratio_precision.is_some() || self.time_limit.is_some()
+    }
+
     /// How long times are sampled, in place of the preset's.
     fn sampling(&self, preset: SampleSchedule) -> SampleSchedule {
         match (self.samples, SAMPLING.adaptive) {

@@ -8,10 +8,10 @@ use serde_json::json;
 use tracebench_api::TraceTo;
 
 use super::arguments::{Selection, WorkArguments, within};
-use super::output::print_page;
-use super::work::{Clock, Work, all_measured, described};
+use super::work::{Clock, Work, all_measured};
 use super::{CliError, names};
 use crate::judge::Rule;
+use crate::measure::Context;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::attack::{self, AttackOptions, TRIAL_IMAGE};
@@ -50,8 +50,7 @@ fn rule(text: &str) -> Result<Rule, String> {
 
 pub(super) fn attack(arguments: &AttackArguments, progress: &Progress) -> Result<(), CliError> {
     let AttackArguments { scene, tracer, rays, rule, trials, budget, brief, work: of_work } = arguments;
-    let is_timed = of_work.samples.is_some() || of_work.ratio_precision.is_some() || of_work.time_limit.is_some();
-    if is_timed || of_work.trace_to != TraceTo::Hit {
+    if of_work.says_how_long() || of_work.trace_to != TraceTo::Hit {
         let refused = "--samples, --ratio-precision, --time-limit, --trace-to: attack takes no times and judges hits";
         return Err(CliError::Argument(refused.to_owned()));
     }
@@ -59,10 +58,9 @@ pub(super) fn attack(arguments: &AttackArguments, progress: &Progress) -> Result
     let mut work = Work::prepare(of_work, selection, Clock::Untimed, progress)?;
     work.plan.preset.ray_image = of_work.size.unwrap_or(TRIAL_IMAGE);
     let further = json!({ "rule": rule, "trials": trials, "brief": brief });
-    let plan = described("attack", std::slice::from_ref(&work.plan), further);
     let budget = budget.map(Duration::from_secs_f64);
     let options = AttackOptions { rule: *rule, trials: *trials, budget, is_brief: *brief };
-    let record = work.bench.measure(&plan, progress, |context| attack::execute(&work.plan, &options, context))?;
-    print_page(&work.bench.out.path().join(report::ATTACK_PAGE), None)?;
+    let execute = |context: &Context<'_>| attack::execute(&work.plan, &options, context);
+    let record = work.study("attack", further, report::ATTACK_PAGE, progress, execute)?;
     all_measured(&work.plan, &record)
 }

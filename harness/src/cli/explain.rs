@@ -60,10 +60,7 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
             known.join(", ")
         )));
     }
-    if arguments.work.samples.is_some()
-        || arguments.work.ratio_precision.is_some()
-        || arguments.work.time_limit.is_some()
-    {
+    if arguments.work.says_how_long() {
         return Err(CliError::Argument(
             "--samples, --ratio-precision, --time-limit: explain takes no times".to_owned(),
         ));

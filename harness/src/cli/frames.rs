@@ -5,16 +5,13 @@ use std::ffi::OsString;
 use clap::Args;
 
 use super::arguments::{Selection, WorkArguments, within};
-use super::output::print_page;
-use super::work::{Clock, Work, all_measured, described};
+use super::work::{Clock, Work, all_measured};
 use super::{CliError, names};
+use crate::measure::{Context, MAX_RESIDENT};
 use crate::progress::Progress;
 use crate::render::Effect;
 use crate::report;
 use crate::studies::frames::{self, FramesRequest, MAX_FRAMES, Moves, PathsOf, Updates};
-
-/// Tracers: as many as are resident at a time.
-const MAX_TRACERS: usize = crate::measure::MAX_RESIDENT;
 
 #[derive(Args)]
 pub(super) struct FramesArguments {
@@ -83,24 +80,15 @@ impl FramesArguments {
     }
 
     fn request(&self) -> Result<FramesRequest, CliError> {
-        let timed = [self.work.samples.is_some(), self.work.ratio_precision.is_some(), self.work.time_limit.is_some()];
-        let beyond = self.cut.filter(|cut| *cut >= self.frames);
-        let refused = [
-            (
-                timed.contains(&true),
-                "--samples, --ratio-precision, --time-limit: a round is a frame; give --frames".to_owned(),
-            ),
-            (
-                beyond.is_some(),
-                format!("--cut {}: the last frame is {}", beyond.unwrap_or_default(), self.frames.saturating_sub(1)),
-            ),
-            (
-                self.fixed_rays && self.moves != Moves::Camera,
-                "--fixed-rays: the scene must stand still; take --move camera".to_owned(),
-            ),
-        ];
-        if let Some((_, why)) = refused.into_iter().find(|(is_refused, _)| *is_refused) {
-            return Err(CliError::Argument(why));
+        let refused = |why: &str| Err(CliError::Argument(why.to_owned()));
+        if self.work.says_how_long() {
+            return refused("--samples, --ratio-precision, --time-limit: a round is a frame; give --frames");
+        }
+        if let Some(cut) = self.cut.filter(|cut| *cut >= self.frames) {
+            return refused(&format!("--cut {cut}: the last frame is {}", self.frames.saturating_sub(1)));
+        }
+        if self.fixed_rays && self.moves != Moves::Camera {
+            return refused("--fixed-rays: the scene must stand still; take --move camera");
         }
         let Self { frames, fps, moves, update, paths, cut, fixed_rays, .. } = *self;
         let effects = self.effects()?;
@@ -114,12 +102,13 @@ pub(super) fn frames(arguments: &FramesArguments, progress: &Progress) -> Result
     request.check(&arguments.selection()?.tracers).map_err(CliError::Argument)?;
     let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
     let tracers = work.plan.tracers.len();
-    if tracers > MAX_TRACERS {
+    if tracers > MAX_RESIDENT {
         work.bench.out.abandon();
-        return Err(CliError::Argument(format!("--tracer: {tracers} tracers, at most {MAX_TRACERS} follow at a time")));
+        return Err(CliError::Argument(format!(
+            "--tracer: {tracers} tracers, at most {MAX_RESIDENT} follow at a time"
+        )));
     }
-    let plan = described("frames", std::slice::from_ref(&work.plan), request.describe());
-    let record = work.bench.measure(&plan, progress, |context| frames::execute(&work.plan, &request, context))?;
-    print_page(&work.bench.out.path().join(report::FRAMES_PAGE), None)?;
+    let execute = |context: &Context<'_>| frames::execute(&work.plan, &request, context);
+    let record = work.study("frames", request.describe(), report::FRAMES_PAGE, progress, execute)?;
     all_measured(&work.plan, &record)
 }

@@ -16,7 +16,7 @@ use crate::exchange::{self, ExchangeError, Manifest, answers};
 use crate::files::OutputFolder;
 use crate::hash::sha256_of;
 use crate::judge::WRONG_RAYS_PER_CAUSE;
-use crate::measure::{self, records};
+use crate::measure::{self, PreparedWorkload, records};
 use crate::plan::{Plan, RunPreset, SceneSource};
 use crate::progress::Progress;
 use crate::registry::{Device, TRACERS};
@@ -109,16 +109,15 @@ fn write(plan: &Plan, folder: &OutputFolder, progress: &Progress) -> Result<Stri
     // Before the truth is told, which takes long.
     let name = scene.name.clone();
     exchange::write_scene(folder, &scene.mesh, &name)?;
-    let loaded = measure::prepare(plan, scene, &no_device(), &Cache::of_user(), progress)?;
-    let viewpoint = records::viewpoint_record(plan, &loaded.pose, &loaded.session);
+    let PreparedWorkload { scene, viewpoint, session, .. } =
+        measure::prepare(plan, scene, &no_device(), &Cache::of_user(), progress)?;
     let [width, _] = plan.preset.ray_image;
-    let bar = progress.bar("write rays", loaded.session.rays.len() as u64);
+    let bar = progress.bar("write rays", session.rays.len() as u64);
     let mut text = String::new();
-    for set in &loaded.session.rays {
+    for set in &session.rays {
         let known = (set.buffer.host.as_slice(), set.answers.as_slice());
         let viewpoint = set.eye.map(|_| viewpoint.clone());
-        let mut manifest =
-            Manifest::new(set.set.name, set.set.query, known, loaded.record.clone(), viewpoint, plan.seed);
+        let mut manifest = Manifest::new(set.set.name, set.set.query, known, scene.clone(), viewpoint, plan.seed);
         manifest.ray_parameters = records::json_values(&plan.ray_parameters);
         let pixels: Vec<[u32; 2]> = set.pixels.iter().map(|pixel| [pixel % width, pixel / width]).collect();
         exchange::write(folder, set.set.name, &manifest, known, &pixels)?;
@@ -126,9 +125,9 @@ fn write(plan: &Plan, folder: &OutputFolder, progress: &Progress) -> Result<Stri
         bar.inc(1);
     }
     bar.finish_and_clear();
-    say_skipped(&loaded.session.skipped, progress);
-    if loaded.session.rays.is_empty() {
-        let reasons: Vec<&str> = loaded.session.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
+    say_skipped(&session.skipped, progress);
+    if session.rays.is_empty() {
+        let reasons: Vec<&str> = session.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
         return Err(CliError::Other(format!("no rays were made: {}", reasons.join("; "))));
     }
     if matches!(plan.scenes[..], [SceneSource::File { .. }]) {

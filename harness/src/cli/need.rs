@@ -6,10 +6,9 @@ use clap::Args;
 use serde_json::Value;
 
 use super::arguments::{Selection, WorkArguments};
-use super::output::print_page;
-use super::work::{Clock, Work, described};
+use super::work::{Clock, Work};
 use super::{CliError, names};
-use crate::plan::TracerRequest;
+use crate::measure::Context;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::need;
@@ -38,8 +37,6 @@ impl NeedArguments {
 
 pub(super) fn need(arguments: &NeedArguments, progress: &Progress) -> Result<(), CliError> {
     let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
-    let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
-    let plan = described("need", std::slice::from_ref(&work.plan), Value::Null);
-    work.bench.measure(&plan, progress, |context| need::execute(&work.plan, required, context))?;
-    print_page(&work.bench.out.path().join(report::NEED_PAGE), None)
+    let execute = |context: &Context<'_>| need::execute(&work.plan, context);
+    work.study("need", Value::Null, report::NEED_PAGE, progress, execute).map(drop)
 }

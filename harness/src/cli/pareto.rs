@@ -6,10 +6,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::{Selection, WorkArguments, within};
-use super::output::print_page;
-use super::work::{Clock, Work, described};
+use super::work::{Clock, Work};
 use super::{CliError, names};
-use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::pareto::{DEFAULT_POINTS, Extent, MAX_POINTS, Pareto, RAYS_PER_PIXEL};
@@ -66,11 +64,8 @@ pub(super) fn pareto(arguments: &ParetoArguments, progress: &Progress) -> Result
     // By the launch settings and the preset that it has here.
     let pareto = Pareto::new(&work.plan, &extent).map_err(refused).inspect_err(|_| work.bench.out.abandon())?;
     progress.say(&format!("{} points", pareto.size()));
-    let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let words = json!({ "max_points": extent.max_points, "rays_per_pixel": extent.rays_per_pixel });
-    let plan = described("pareto", std::slice::from_ref(&work.plan), words);
-    work.bench.measure(&plan, progress, |context| pareto.execute(required, context))?;
-    print_page(&work.bench.out.path().join(report::PARETO_PAGE), None)
+    work.study("pareto", words, report::PARETO_PAGE, progress, |context| pareto.execute(context)).map(drop)
 }
 
 #[cfg(test)]

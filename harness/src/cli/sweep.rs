@@ -7,8 +7,7 @@ use serde_json::json;
 use tracebench_api::Invalidation;
 
 use super::arguments::{Selection, WorkArguments};
-use super::output::print_page;
-use super::work::{Clock, Work, described};
+use super::work::{Clock, Work};
 use super::{CliError, names};
 use crate::judge::Rule;
 use crate::plan::TracerRequest;
@@ -235,10 +234,8 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
         refused(&error, option)
     })?;
     progress.say(&format!("{} points", sweep.size()));
-    let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
-    let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
-    work.bench.measure(&plan, progress, |context| sweep.execute(required, context))?;
-    print_page(&work.bench.out.path().join(report::SWEEP_PAGE), None)
+    let words = json!({ "axes": axes, "grid": grid });
+    work.study("sweep", words, report::SWEEP_PAGE, progress, |context| sweep.execute(context)).map(drop)
 }
 
 /// Shows what the choice of a parameter costs.
@@ -251,9 +248,7 @@ fn choose(arguments: &SweepArguments, rule: Rule, progress: &Progress) -> Result
     let tune = Tune::new(&work.plan, request, axis, rule)
         .map_err(|error| refused(&error, "--over"))
         .inspect_err(|_| work.bench.out.abandon())?;
-    let plan = described(CHOOSE, std::slice::from_ref(&work.plan), words);
-    work.bench.measure(&plan, progress, |context| tune.execute(context))?;
-    print_page(&work.bench.out.path().join(report::TUNE_PAGE), None)
+    work.study(CHOOSE, words, report::TUNE_PAGE, progress, |context| tune.execute(context)).map(drop)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{Selection, WorkArguments};
+use super::output::print_page;
 use super::{CliError, open_device, stop};
 use crate::files::{FileError, OutputFolder};
 use crate::launch;
@@ -126,6 +127,21 @@ impl<'a> Work<'a> {
         let bench = Bench::open(device, &arguments.output, clock, &mut plan.tracers, progress)?;
         say_plan(&plan, bench.device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
         Ok(Self { plan, bench })
+    }
+
+    /// Measures what a study asks of the plan, with further words of it, and prints the answer of its page.
+    pub(super) fn study(
+        &self,
+        verb: &str,
+        words: Value,
+        page: &str,
+        progress: &Progress,
+        execute: impl FnOnce(&Context<'_>) -> Result<Record, RunError>,
+    ) -> Result<Record, CliError> {
+        let plan = described(verb, std::slice::from_ref(&self.plan), words);
+        let record = self.bench.measure(&plan, progress, execute)?;
+        print_page(&self.bench.out.path().join(page), None)?;
+        Ok(record)
     }
 
     /// Runs the plan and writes everything.

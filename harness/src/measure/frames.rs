@@ -6,29 +6,16 @@ use tracebench_api::{
 };
 use tracebench_scenes::Scene;
 
-use super::interleaved_set::{Setting, order_seed, record_of, rounds_of};
+use super::interleaved_set::{FRAMES, Setting};
 use super::run::Context;
 use super::workload::Refusal;
 use super::{BuildSample, RunError, TracerConfig, sound};
-use crate::plan::{Plan, Resolution, TracerRequest};
-use crate::results::{InterleavedSetRecord, SAH_COST, SampleSchedule};
+use crate::plan::{Plan, TracerRequest};
+use crate::results::{FrameRow, InterleavedSetRecord, SAH_COST, SampleSchedule};
 use crate::viewpoint::Pose;
 
-/// What the interleaved set is called.
-const FRAMES: &str = "frames";
-
 /// A hierarchy is refitted while its cost is below so many times that of its last build.
-pub const MAX_SAH_GROWTH: f64 = 1.5;
-
-/// How structures are brought up to date.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UpdatePolicy {
-    /// Reused where nothing that changed invalidates it, refitted where the method can while its cost is below [`MAX_SAH_GROWTH`] times that
-    /// of its last build, else rebuilt.
-    Auto,
-    /// In this way, whatever comes of it.
-    Always(Update),
-}
+const MAX_SAH_GROWTH: f64 = 1.5;
 
 /// A scene that moves, and the eye at every frame.
 pub(crate) struct MovingFrames {
@@ -40,40 +27,36 @@ pub(crate) struct MovingFrames {
     pub poses: Vec<Pose>,
 }
 
-/// What was done to a structure in a frame.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Updated {
-    /// `build` at the first frame, else the name of an [`Update`].
-    pub update: &'static str,
-    /// What has moved since it was built and makes it stale.
-    pub stale_by: Vec<&'static str>,
-    /// None of a reuse.
-    pub timing: Option<Timing>,
-    /// Cost of a hierarchy that can be refitted.
-    pub sah_cost: Option<f64>,
-    pub structure_bytes: u64,
-    pub build_peak_bytes: u64,
-}
-
 /// A tracer's turn in a frame.
 pub(crate) struct Turn<'a> {
-    pub frame: usize,
     /// Its place among the requests.
     pub follower: usize,
     pub config: &'a TracerConfig,
-    pub updated: Updated,
+    /// What was done to its structure, without works yet.
+    pub row: FrameRow,
     /// Whether it counts; else it warms up.
     pub counts: bool,
 }
 
 /// What is asked in every frame.
 pub(crate) trait FrameWork {
-    /// Before the turns of a frame.
-    fn begin(&mut self, frame: usize, film: &MovingFrames, geometry: &Geometry) -> Result<(), RunError>;
-    /// A tracer's turn; the inner error takes it out from this frame on.
-    fn turn(&mut self, turn: Turn<'_>) -> Result<Result<(), TracerError>, RunError>;
+    /// A frame as it is looked at.
+    type Frame;
+
+    /// Looks at a frame before the turns in it; `before` is the one that was looked at before.
+    fn look(
+        &mut self,
+        frame: usize,
+        film: &MovingFrames,
+        geometry: &Geometry,
+        before: Option<Self::Frame>,
+    ) -> Result<Self::Frame, RunError>;
+
+    /// A tracer's turn; [`RunError::Device`] is the tracer's, and takes it out from this frame on.
+    fn turn(&mut self, here: &Self::Frame, turn: Turn<'_>) -> Result<(), RunError>;
+
     /// After the turns of a frame that counts.
-    fn end(&mut self, frame: usize) -> Result<(), RunError>;
+    fn end(&mut self, here: &Self::Frame) -> Result<(), RunError>;
 }
 
 /// What came of the followers.
@@ -86,7 +69,6 @@ pub(crate) struct Followed {
 /// One that follows.
 struct Follower {
     config: TracerConfig,
-    resolution: Option<Resolution>,
     out: Option<Refusal>,
     /// The scene and the eye that the structure is of.
     is_of: Option<(String, Pose)>,
@@ -119,46 +101,45 @@ pub(crate) fn trace_once(
     Ok(Traced { timing, hits: hits.read(gpu)?, surfaces: hits.read_surfaces(gpu)? })
 }
 
-/// Lets tracers follow: one pass to warm up, in which the first frame alone is traced, then one that counts. A round is a frame.
+/// Lets tracers follow: one pass to warm up, in which the first frame alone is traced, then one that counts. A round is a frame. Structures
+/// are always brought up to date in one way, whatever comes of it; where none is given they are reused where nothing that changed invalidates
+/// them, refitted where the method can while the cost is below [`MAX_SAH_GROWTH`] times that of the last build, else rebuilt.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub(crate) fn follow(
+pub(crate) fn follow<W: FrameWork>(
     film: &mut MovingFrames,
     requests: &[TracerRequest],
-    policy: UpdatePolicy,
+    always: Option<Update>,
     plan: &Plan,
-    work: &mut dyn FrameWork,
+    work: &mut W,
     context: &Context<'_>,
 ) -> Result<Followed, RunError> {
     let gpu = context.device.as_deref().ok();
     let mut followers =
         requests.iter().map(|request| Follower::new(request, requests, context)).collect::<Result<Vec<_>, _>>()?;
-    let setting = Setting {
-        scene: film.scene.name.clone(),
-        viewpoint: film.poses[0].name.clone(),
-        resident_batch: 0,
-        kernels: Some(context.kernels()?),
-        turn: 0,
-    };
+    let (scene, viewpoint) = (film.scene.name.clone(), film.poses[0].name.clone());
+    let setting = Setting { scene, viewpoint, resident_batch: 0, kernels: Some(context.kernels()?), turn: 0 };
     let frames = film.times_s.len();
-    let seed = order_seed(plan.seed, &setting, FRAMES, 0);
+    let seed = setting.order_seed(plan.seed, FRAMES, 0);
     let sides: Vec<_> = followers.iter().map(|follower| follower.config.description.residency).collect();
-    let sampling = Some(SampleSchedule::rounds(frames as u32));
-    let mut rounds = rounds_of(&setting, seed, followers.len(), sides.into_iter(), sampling);
+    let mut rounds = setting.rounds(seed, followers.len(), &sides, Some(SampleSchedule::rounds(frames as u32)));
     let mesh = &film.scene.mesh;
     let (triangles, materials) = (mesh.triangles.clone(), mesh.triangle_materials.clone());
     let mut geometry = Geometry::with_materials(mesh.positions.clone(), triangles, materials, gpu)?;
     let bar = context.progress.bar(FRAMES, (2 * frames * followers.len()) as u64);
+    let mut here: Option<(usize, W::Frame)> = None;
     for pass in 0..2 {
         for frame in 0..frames {
             film.scene.set_time(film.times_s[frame])?;
             geometry = geometry.with_positions(film.scene.mesh.positions.clone(), gpu)?;
             let counts = pass == 1;
             let traces = counts || frame == 0;
-            if traces {
-                work.begin(frame, film, &geometry)?;
+            if traces && here.as_ref().is_none_or(|(known, _)| *known != frame) {
+                let before = here.take().map(|(_, before)| before);
+                here = Some((frame, work.look(frame, film, &geometry, before)?));
             }
+            let here = here.as_ref().filter(|_| traces).map(|(_, here)| here);
             let round = if traces { rounds.next(gpu, || [Vec::new()])? } else { None };
             let order = round.map_or_else(|| (0..followers.len()).collect(), |round| round.order);
             for place in order {
@@ -168,61 +149,55 @@ pub(crate) fn follow(
                     continue;
                 }
                 let is_last = counts && frame + 1 == frames;
-                let updated = follower.bring(policy, (frame, is_last), film, &geometry, plan, gpu);
-                let done = match updated {
-                    Ok(updated) if traces => {
-                        work.turn(Turn { frame, follower: place, config: &follower.config, updated, counts })?
+                let row = follower.bring(always, (frame, is_last), film, &geometry, plan, gpu);
+                let done = row.map_err(RunError::Device).and_then(|row| match here {
+                    Some(here) => work.turn(here, Turn { follower: place, config: &follower.config, row, counts }),
+                    None => Ok(()),
+                });
+                match done {
+                    Ok(()) => {}
+                    Err(RunError::Device(error)) => {
+                        let refusal = Refusal::of(&error, false);
+                        let reason = format!("frame {frame}: {}", refusal.reason);
+                        follower.out = Some(Refusal { reason, ..refusal });
                     }
-                    other => other.map(drop),
-                };
-                if let Err(error) = done {
-                    let refusal = Refusal::of(&error, false);
-                    follower.out = Some(Refusal { reason: format!("frame {frame}: {}", refusal.reason), ..refusal });
+                    Err(error) => return Err(error),
                 }
                 context.check_device()?;
             }
-            if counts {
-                work.end(frame)?;
+            if let Some(here) = here.filter(|_| counts) {
+                work.end(here)?;
             }
         }
     }
     rounds.next(gpu, || [Vec::new()])?;
     bar.finish_and_clear();
     let labels = requests.iter().map(|request| super::records::request_record(request).label()).collect();
-    let interleaved_set = record_of(&setting, FRAMES, "the next frame", seed, &rounds, labels);
+    let interleaved_set = setting.record(FRAMES, &rounds, labels);
     Ok(Followed { refused: followers.into_iter().map(|follower| follower.out).collect(), interleaved_set })
 }
 
 impl Follower {
     fn new(request: &TracerRequest, all: &[TracerRequest], context: &Context<'_>) -> Result<Self, RunError> {
-        let created = context.tracer_cache.borrow_mut().config(request, context.device);
-        let (config, out) = match created {
-            Ok(config) => (config, None),
-            Err(error) if request.required && all.iter().all(|other| other.name() == request.name()) => {
-                return Err(RunError::Tracer(request.name().to_owned(), error));
-            }
-            Err(error) => (context.absent(request), Some(Refusal::of(&error, false))),
-        };
-        Ok(Self { config, resolution: request.resolution, out, is_of: None, built_sah: None, sah: None })
+        let (config, out) = context.config_or_refusal(request, all)?;
+        Ok(Self { config, out, is_of: None, built_sah: None, sah: None })
     }
 
     /// Builds over the first frame, brings the structure to every other; the frame, and whether it is the last that counts.
     fn bring(
         &mut self,
-        policy: UpdatePolicy,
+        always: Option<Update>,
         (frame, is_last): (usize, bool),
         film: &MovingFrames,
         geometry: &Geometry,
         plan: &Plan,
         gpu: Option<&Gpu>,
-    ) -> Result<Updated, TracerError> {
-        let Resolution { frame: size, face } =
-            self.resolution.unwrap_or(Resolution { frame: plan.preset.frame, face: plan.preset.face });
+    ) -> Result<FrameRow, TracerError> {
         let pose = &film.poses[frame];
-        let viewpoint = pose.viewpoint(geometry, size, face);
+        let viewpoint = pose.viewpoint(geometry, plan.preset.frame, plan.preset.face);
         let can_refit = self.config.description.serves(Update::Refit).is_ok();
         let invalid = self.invalid(&film.scene.sha256, pose);
-        let update = (frame > 0).then(|| self.choose(policy, &invalid, can_refit));
+        let update = (frame > 0).then(|| always.unwrap_or_else(|| self.choose(&invalid, can_refit)));
         let sample: Option<BuildSample> = match update {
             None => Some(self.config.build(geometry, &viewpoint, gpu)?),
             Some(update) => self.config.update(update, geometry, &viewpoint, gpu)?,
@@ -239,14 +214,17 @@ impl Follower {
         if matches!(update, None | Some(Update::Rebuild)) {
             self.built_sah = self.sah;
         }
+        let stale_by = invalid.into_iter().filter(|_| is_stale).map(|(_, name)| name.to_owned());
         let memory = self.config.structure()?.memory();
-        Ok(Updated {
-            update: update.map_or("build", Update::name),
-            stale_by: if is_stale { invalid.into_iter().map(|(_, name)| name).collect() } else { Vec::new() },
-            timing: sample.map(|sample| sample.whole),
+        Ok(FrameRow {
+            update: update.map_or("build", Update::name).to_owned(),
+            stale_by: stale_by.collect(),
+            update_ms: Some(sample.as_ref().map_or(0.0, |sample| sample.whole.total_ms)),
+            grown: sample.is_some_and(|sample| sample.whole.grown),
             sah_cost: self.sah,
             structure_bytes: memory.structure_bytes(),
             build_peak_bytes: memory.build_peak_bytes,
+            ..FrameRow::default()
         })
     }
 
@@ -263,18 +241,15 @@ impl Follower {
         invalid.map(|(_, change, name)| (change, name)).collect()
     }
 
-    fn choose(&self, policy: UpdatePolicy, invalid: &[(Invalidation, &'static str)], can_refit: bool) -> Update {
+    fn choose(&self, invalid: &[(Invalidation, &'static str)], can_refit: bool) -> Update {
         let costs = self.sah.zip(self.built_sah);
         let is_cheap = costs.is_none_or(|(sah, built)| sah < MAX_SAH_GROWTH * built);
-        match policy {
-            UpdatePolicy::Always(update) => update,
-            UpdatePolicy::Auto if invalid.is_empty() => Update::Reuse,
-            UpdatePolicy::Auto
-                if can_refit && is_cheap && invalid.iter().all(|(by, _)| *by == Invalidation::Geometry) =>
-            {
-                Update::Refit
-            }
-            UpdatePolicy::Auto => Update::Rebuild,
+        if invalid.is_empty() {
+            Update::Reuse
+        } else if can_refit && is_cheap && invalid.iter().all(|(by, _)| *by == Invalidation::Geometry) {
+            Update::Refit
+        } else {
+            Update::Rebuild
         }
     }
 }

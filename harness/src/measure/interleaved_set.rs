@@ -7,13 +7,12 @@ use serde::{Deserialize, Serialize};
 use tracebench_api::{Residency, Timing, TracerError, Update, Viewpoint};
 
 use super::controls::Control;
-use super::following::UPDATES;
-use super::kernels::{Kernels, Side};
+use super::kernels::Kernels;
 use super::records;
 use super::rounds::Rounds;
-use super::session::{Session, SessionError};
-use super::workload::{AnimationFrames, MeasureOptions, Refusal, Request};
-use super::{BuildSample, RunError, TracerConfig, sound};
+use super::session::Session;
+use super::workload::{MeasureOptions, Refusal};
+use super::{RunError, TracerConfig, sound};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
 use crate::results::{BuildRecord, ClockTicks, InterleavedSetRecord, MemoryRecord, SampleSchedule};
@@ -21,17 +20,17 @@ use crate::results::{BuildRecord, ClockTicks, InterleavedSetRecord, MemoryRecord
 /// A validation that takes longer is told of, where bars do not show: it is the only work that grows with what is stored.
 const LONG_VALIDATION: Duration = Duration::from_secs(2);
 
-/// The interleaved set of structures that are built.
+/// The interleaved sets of structures that are built, that are refitted, and that follow a moving scene.
 const BUILDS: &str = "builds";
+const UPDATES: &str = "updates";
+pub(super) const FRAMES: &str = "frames";
 
 /// A structure with the configuration that builds it. Several participants trace it where they differ in trace parameters alone.
 pub(super) struct StructureSlot {
     pub config: TracerConfig,
     /// What it builds from: the session's viewpoint, at a resolution of its own if it has one.
     pub viewpoint: Viewpoint,
-    /// How it follows an animation, if it does.
-    pub follows: Option<Update>,
-    /// Counted samples of its builds, or of its updates.
+    /// Counted samples of its builds, or of its refits.
     pub builds: BuildSamples,
     statistics: BTreeMap<String, f64>,
 }
@@ -39,24 +38,12 @@ pub(super) struct StructureSlot {
 /// Counted samples of what a structure takes, by round.
 #[derive(Default)]
 pub(super) struct BuildSamples {
-    /// Phases of first builds, or of updates.
+    /// Phases of first builds, or of refits.
     pub phases: Vec<Timing>,
-    /// First builds; none of what follows an animation.
+    /// First builds; none of what is refitted.
     pub first: Vec<Timing>,
-    /// Steady builds, or updates.
+    /// Steady builds, or refits.
     pub steady: Vec<Timing>,
-}
-
-impl BuildSamples {
-    pub fn push_first(&mut self, sample: BuildSample) {
-        self.phases.push(sample.phases);
-        self.first.push(sample.whole);
-    }
-
-    pub fn push_update(&mut self, sample: BuildSample) {
-        self.phases.push(sample.phases);
-        self.steady.push(sample.whole);
-    }
 }
 
 /// One who traces: a control, or a configuration that was asked for.
@@ -79,6 +66,12 @@ impl Participant {
         self.out.is_none() && self.unserved.is_none()
     }
 
+    /// Why it did not trace the ray set in turn.
+    pub fn refusal(&self) -> Refusal {
+        let known = self.out.as_ref().or(self.unserved.as_ref()).cloned();
+        known.unwrap_or_else(Refusal::not_measured)
+    }
+
     /// Its name in records.
     pub fn label(&self) -> String {
         match (&self.request, self.control) {
@@ -87,20 +80,6 @@ impl Participant {
             (None, None) => String::new(),
         }
     }
-}
-
-/// What came of one participant in one interleaved set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Outcome<T> {
-    /// It was measured.
-    Measured(T),
-    /// It was taken out.
-    Out(Refusal),
-    /// It does not serve these rays, and stays in for others.
-    Unserved(Refusal),
-    /// It had been taken out before.
-    Absent,
 }
 
 /// What was found out about a structure.
@@ -112,9 +91,10 @@ pub(crate) struct Built {
 }
 
 /// What the interleaved set of the structures gave.
+#[derive(Default, Serialize, Deserialize)]
 pub(crate) struct Structures {
-    /// By participant; times name their interleaved set by its place here.
-    pub outcomes: Vec<Outcome<Built>>,
+    /// By participant, or why it was taken out; times name their interleaved set by its place here.
+    pub outcomes: Vec<Result<Built, Refusal>>,
     pub interleaved_sets: Vec<InterleavedSetRecord>,
 }
 
@@ -133,7 +113,6 @@ pub(crate) struct Setting<'a> {
 /// One resident batch in one place.
 pub(crate) struct InterleavedSet<'a> {
     pub(super) session: &'a Session,
-    pub(super) film: Option<&'a AnimationFrames>,
     pub(super) options: MeasureOptions,
     pub(super) progress: &'a Progress,
     pub(super) setting: Setting<'a>,
@@ -143,15 +122,9 @@ pub(crate) struct InterleavedSet<'a> {
 
 impl<'a> InterleavedSet<'a> {
     /// An interleaved set with the controls in its first participants.
-    pub fn new(
-        session: &'a Session,
-        film: Option<&'a AnimationFrames>,
-        options: MeasureOptions,
-        progress: &'a Progress,
-        setting: Setting<'a>,
-    ) -> Self {
+    pub fn new(session: &'a Session, options: MeasureOptions, progress: &'a Progress, setting: Setting<'a>) -> Self {
         let mut interleaved_set =
-            Self { session, film, options, progress, setting, slots: Vec::new(), participants: Vec::new() };
+            Self { session, options, progress, setting, slots: Vec::new(), participants: Vec::new() };
         for (control, config) in session.controls() {
             interleaved_set.enter(config, None, Some(control));
         }
@@ -159,15 +132,14 @@ impl<'a> InterleavedSet<'a> {
     }
 
     /// Lets a configuration take part, in a stall of its own.
-    pub fn enter(&mut self, config: TracerConfig, request: Option<&Request>, control: Option<Control>) {
-        let viewpoint = match request.and_then(|request| request.tracer.resolution) {
+    pub fn enter(&mut self, config: TracerConfig, request: Option<&TracerRequest>, control: Option<Control>) {
+        let viewpoint = match request.and_then(|request| request.resolution) {
             Some(Resolution { frame, face }) => Viewpoint { frame, face, ..*self.session.viewpoint() },
             None => *self.session.viewpoint(),
         };
-        let follows = request.and_then(|request| request.follows);
         let (builds, statistics) = (BuildSamples::default(), BTreeMap::new());
-        self.slots.push(StructureSlot { config, viewpoint, follows, builds, statistics });
-        self.join(request.map(|request| &request.tracer), control);
+        self.slots.push(StructureSlot { config, viewpoint, builds, statistics });
+        self.join(request, control);
     }
 
     /// Lets another one trace the structure of the last stall.
@@ -206,46 +178,26 @@ impl<'a> InterleavedSet<'a> {
     }
 
     /// What sampling depends on; none where nothing is timed.
-    fn sampling(&self) -> Option<SampleSchedule> {
+    pub(super) fn sampling(&self) -> Option<SampleSchedule> {
         self.options.timed.then_some(self.options.sampling)
     }
 
-    /// The seed of the orders of an interleaved set.
-    pub(super) fn order_seed(&self, work: &str, attempt: usize) -> u64 {
-        order_seed(self.options.seed, &self.setting, work, attempt)
-    }
-
-    /// Rounds of so many participants, with the fixed kernels of the clocks that they are timed by.
+    /// Rounds of some work and so many participants, with the fixed kernels of the clocks by which some slots are timed.
     pub(super) fn rounds(
         &self,
-        seed: u64,
+        (work, attempt): (&str, usize),
         participants: usize,
-        slots: impl Iterator<Item = usize> + Clone,
+        slots: impl IntoIterator<Item = usize>,
         sampling: Option<SampleSchedule>,
     ) -> Rounds<'a> {
-        let sides = slots.map(|slot| self.slots[slot].config.description.residency);
-        rounds_of(&self.setting, seed, participants, sides, sampling)
+        let sides = slots.into_iter().map(|slot| self.slots[slot].config.description.residency).collect::<Vec<_>>();
+        let seed = self.setting.order_seed(self.options.seed, work, attempt);
+        self.setting.rounds(seed, participants, &sides, sampling)
     }
 
     /// The ticks of its clocks; none where nothing is timed.
     pub(super) fn ticks(&self) -> Option<ClockTicks> {
         self.setting.kernels.map(|kernels| kernels.ticks)
-    }
-
-    /// The record of an interleaved set; none where nothing was timed.
-    pub(super) fn record(
-        &self,
-        work: &str,
-        seed: u64,
-        rounds: &Rounds<'_>,
-        participants: Vec<String>,
-    ) -> Option<InterleavedSetRecord> {
-        let each_round = match work {
-            BUILDS => "first builds, each with a rebuild behind it",
-            UPDATES => "the next frame",
-            _ => "the same rays",
-        };
-        record_of(&self.setting, work, each_round, seed, rounds, participants)
     }
 
     /// A stall in words: the first participant that traces it.
@@ -259,23 +211,21 @@ impl<'a> InterleavedSet<'a> {
         self.participants.iter().any(|participant| participant.slot == slot && participant.control.is_none())
     }
 
-    /// The stalls of configurations that are in, once for each who traces them.
-    pub(super) fn configs(&self) -> impl Iterator<Item = usize> + '_ {
-        let is_in = |participant: &&Participant| participant.control.is_none() && participant.out.is_none();
-        self.participants.iter().filter(is_in).map(|participant| participant.slot)
+    /// The slots that are refitted, or those that are not: controls have nothing to refit.
+    fn refitted(&self, is_refitted: bool) -> Vec<usize> {
+        let is = |slot: &usize| (self.options.refitted && self.is_tracer(*slot)) == is_refitted;
+        (0..self.slots.len()).filter(is).collect()
     }
 
-    /// Builds everything, or lets it follow the film, in rounds; then lets every structure be read back and checked.
+    /// Builds everything, or refits it, in rounds; then lets every structure be read back and checked.
     pub fn build(&mut self) -> Result<Structures, RunError> {
-        let passes = self.film.map_or(0, |film| film.passes);
-        let mut interleaved_sets: Vec<InterleavedSetRecord> = self.follow(passes)?.into_iter().collect();
-        let of_updates = interleaved_sets.len();
-        let still: Vec<usize> = (0..self.slots.len()).filter(|slot| self.slots[*slot].follows.is_none()).collect();
-        let seed = self.order_seed(BUILDS, 0);
-        let configs: Vec<usize> = still.iter().copied().filter(|slot| self.is_tracer(*slot)).collect();
+        let mut interleaved_sets: Vec<InterleavedSetRecord> =
+            self.refit(self.options.sampling.min_rounds)?.into_iter().collect();
+        let built = self.refitted(false);
+        let configs: Vec<usize> = built.iter().copied().filter(|slot| self.is_tracer(*slot)).collect();
         let sampling = self.sampling().filter(|_| self.options.builds_timed);
-        let mut rounds = self.rounds(seed, still.len(), configs.iter().copied(), sampling);
-        let bar = self.progress.bar(BUILDS, (rounds.least() * still.len()) as u64);
+        let mut rounds = self.rounds((BUILDS, 0), built.len(), configs.iter().copied(), sampling);
+        let bar = self.progress.bar(BUILDS, (rounds.least() * built.len()) as u64);
         let gpu = self.session.gpu();
         // Intervals are waited for of what is compared.
         while let Some(round) = rounds.next(gpu, || {
@@ -286,28 +236,25 @@ impl<'a> InterleavedSet<'a> {
             ]
         })? {
             for place in round.order {
-                self.build_once(still[place], round.counts);
+                self.build_once(built[place], round.counts);
                 bar.inc(1);
             }
         }
         bar.finish_and_clear();
-        let participants = still.iter().map(|slot| self.slot_label(*slot)).collect();
-        interleaved_sets.extend(self.record(BUILDS, seed, &rounds, participants));
+        let participants = built.iter().map(|slot| self.slot_label(*slot)).collect();
+        interleaved_sets.extend(self.setting.record(BUILDS, &rounds, participants));
         if self.options.validated {
             self.validate();
         }
         let trace_to = self.session.trace_to();
-        // Structures that follow a film have an interleaved set of their own.
-        let believed = [false, true].map(|follows| {
-            let timed_samples = self.slots.iter().filter(|slot| slot.follows.is_some() == follows);
-            records::are_believed(timed_samples.map(|slot| &slot.builds.phases[..]))
-        });
-        let built = |slot: &StructureSlot| {
-            let believed = believed[usize::from(slot.follows.is_some())];
+        let believed = records::are_believed(self.slots.iter().map(|slot| &slot.builds.phases[..]));
+        let told = |slot: usize| {
+            // Behind that of the refits is that of the controls, which are built.
+            let place = usize::from(self.options.refitted && !self.is_tracer(slot));
+            let slot = &self.slots[slot];
             let mut build = records::build_record(&slot.builds, believed, slot.config.setup_ms);
-            let interleaved_set = if slot.follows.is_some() { 0 } else { of_updates };
-            let interleaved_set = (!slot.builds.phases.is_empty() && interleaved_set < interleaved_sets.len())
-                .then_some(interleaved_set as u32);
+            let is_timed = !slot.builds.phases.is_empty() && place < interleaved_sets.len();
+            let interleaved_set = is_timed.then_some(place as u32);
             for times in build.all_mut() {
                 times.invalid = self.ticks().and_then(|ticks| ticks.too_coarse(times));
                 times.interleaved_set = interleaved_set;
@@ -318,10 +265,9 @@ impl<'a> InterleavedSet<'a> {
                 build,
             })
         };
-        let slots = &self.slots;
         let outcome = |participant: &Participant| match &participant.out {
-            None => built(&slots[participant.slot]).map(Outcome::Measured),
-            Some(refusal) => Ok(Outcome::Out(refusal.clone())),
+            None => told(participant.slot).map(Ok),
+            Some(refusal) => Ok(Err(refusal.clone())),
         };
         let outcomes = self.participants.iter().map(outcome).collect::<Result<_, TracerError>>()?;
         Ok(Structures { outcomes, interleaved_sets })
@@ -329,13 +275,43 @@ impl<'a> InterleavedSet<'a> {
 
     /// Builds everything once more, as it was when the interleaved sets before were run; nothing is timed.
     pub fn restore(&mut self) -> Result<(), RunError> {
-        self.follow(0)?;
-        for slot in 0..self.slots.len() {
-            if self.slots[slot].follows.is_none() {
-                self.build_once(slot, false);
+        self.refit(0)?;
+        self.refitted(false).into_iter().for_each(|slot| self.build_once(slot, false));
+        Ok(())
+    }
+
+    /// Refits what is to be refitted, so often that it counts: a refit is of a fresh build, which is in no time. First both warm up.
+    fn refit(&mut self, counted: u32) -> Result<Option<InterleavedSetRecord>, RunError> {
+        let slots = self.refitted(true);
+        if slots.is_empty() {
+            return Ok(None);
+        }
+        let (geometry, gpu) = (self.session.geometry(), self.session.gpu());
+        let sampling = (self.options.timed && counted > 0).then_some(SampleSchedule::rounds(counted));
+        let mut rounds = self.rounds((UPDATES, 0), slots.len(), slots.iter().copied(), sampling);
+        let bar = self.progress.bar(UPDATES, 2 * slots.len() as u64 * (u64::from(counted) + 1));
+        for pass in 0..=counted {
+            for is_refit in [false, true] {
+                let counts = pass > 0 && is_refit;
+                let is_round = counts || (pass == 0 && !is_refit);
+                let round = if is_round { rounds.next(gpu, || [Vec::new()])? } else { None };
+                for place in round.map_or_else(|| (0..slots.len()).collect(), |round| round.order) {
+                    let sample = self.attempt(slots[place], |one| match is_refit {
+                        true => one.config.update(Update::Refit, geometry, &one.viewpoint, gpu),
+                        false => one.config.build(geometry, &one.viewpoint, gpu).map(Some),
+                    });
+                    if let Some(sample) = sample.flatten().filter(|_| counts) {
+                        let samples = &mut self.slots[slots[place]].builds;
+                        samples.phases.push(sample.phases);
+                        samples.steady.push(sample.whole);
+                    }
+                    bar.inc(1);
+                }
             }
         }
-        Ok(())
+        rounds.next(gpu, || [slots.iter().map(|slot| &self.slots[*slot].builds.steady[..]).collect()])?;
+        let participants = slots.iter().map(|slot| self.slot_label(*slot)).collect();
+        Ok(self.setting.record(UPDATES, &rounds, participants))
     }
 
     /// A first build and, where times are taken, a steady one behind it.
@@ -348,17 +324,17 @@ impl<'a> InterleavedSet<'a> {
         });
         if let Some((first, steady)) = built.filter(|_| counts) {
             let builds = &mut self.slots[slot].builds;
-            builds.push_first(first);
+            builds.phases.push(first.phases);
+            builds.first.push(first.whole);
             builds.steady.extend(steady.map(|steady| steady.whole));
         }
     }
 
-    /// Lets every structure be read back and checked against the scene that it was last built over, outside of any time. What is
-    /// unsound, or says of itself what is no number, is taken out. One that is reused was built over another one, where it is checked.
+    /// Lets every structure be read back and checked, outside of any time. What is unsound, or says of itself what is no number, is taken
+    /// out.
     fn validate(&mut self) {
         let bar = self.progress.bar("validate", self.slots.len() as u64);
-        let reused = |slot: &StructureSlot| slot.follows == Some(Update::Reuse);
-        for slot in (0..self.slots.len()).filter(|slot| !reused(&self.slots[*slot])).collect::<Vec<_>>() {
+        for slot in 0..self.slots.len() {
             let begin = Instant::now();
             let before: Vec<bool> = self.participants.iter().map(|participant| participant.out.is_none()).collect();
             let session = self.session;
@@ -416,65 +392,64 @@ impl<'a> InterleavedSet<'a> {
     }
 }
 
-/// The seed of the orders of an interleaved set, a number that JSON holds exactly.
-pub(super) fn order_seed(seed: u64, setting: &Setting<'_>, work: &str, attempt: usize) -> u64 {
-    let Setting { scene, viewpoint, resident_batch, turn, .. } = setting;
-    let words = format!("{seed} {scene} {viewpoint} {resident_batch} {work} {turn} {attempt}");
-    u64::from_str_radix(&crate::hash::sha256_of(words.as_bytes())[..13], 16).unwrap_or_default()
-}
+impl<'a> Setting<'a> {
+    /// The seed of the orders of some work here, a number that JSON holds exactly.
+    pub(super) fn order_seed(&self, seed: u64, work: &str, attempt: usize) -> u64 {
+        let Setting { scene, viewpoint, resident_batch, turn, .. } = self;
+        let words = format!("{seed} {scene} {viewpoint} {resident_batch} {work} {turn} {attempt}");
+        u64::from_str_radix(&crate::hash::sha256_of(words.as_bytes())[..13], 16).unwrap_or_default()
+    }
 
-/// Rounds of so many participants, with the fixed kernels of the clocks that work where they do is timed by.
-pub(super) fn rounds_of<'a>(
-    setting: &Setting<'a>,
-    seed: u64,
-    participants: usize,
-    residencies: impl Iterator<Item = Residency> + Clone,
-    sampling: Option<SampleSchedule>,
-) -> Rounds<'a> {
-    let kernels = setting.kernels.filter(|_| sampling.is_some());
-    let is_there = |residency| residencies.clone().any(|other| other == residency);
-    let sides = [(Side::Host, is_there(Residency::Host)), (Side::Device, is_there(Residency::Device))];
-    let sides = sides.into_iter().filter(|(_, is_there)| *is_there);
-    let kernels: Vec<(Side, &Kernels)> =
-        sides.filter_map(|(side, _)| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
-    Rounds::new(sampling, seed, participants, &kernels)
-}
+    /// Rounds of so many participants, with the fixed kernels of the clocks that work where it is done is timed by.
+    pub(super) fn rounds(
+        &self,
+        order_seed: u64,
+        participants: usize,
+        done_on: &[Residency],
+        sampling: Option<SampleSchedule>,
+    ) -> Rounds<'a> {
+        let sides = [Residency::Host, Residency::Device].into_iter().filter(|side| done_on.contains(side));
+        let kernels = self.kernels.filter(|_| sampling.is_some());
+        let kernels = sides.filter_map(|side| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
+        Rounds::new(sampling, order_seed, participants, kernels)
+    }
 
-/// The record of an interleaved set; none where nothing was timed.
-pub(super) fn record_of(
-    setting: &Setting<'_>,
-    work: &str,
-    each_round: &str,
-    seed: u64,
-    rounds: &Rounds<'_>,
-    participants: Vec<String>,
-) -> Option<InterleavedSetRecord> {
-    let Setting { scene, viewpoint, resident_batch, .. } = setting.clone();
-    let kernels = rounds.kernels();
-    Some(InterleavedSetRecord {
-        scene,
-        viewpoint,
-        resident_batch,
-        work: work.to_owned(),
-        participants,
-        order_seed: seed,
-        orders: rounds
-            .orders
-            .iter()
-            .map(|order| order.iter().map(|participant| *participant as u32).collect())
-            .collect(),
-        each_round: each_round.to_owned(),
-        warm_up_rounds: 1,
-        sampling: rounds.sampling?,
-        stop_reason: rounds.stop_reason,
-        sampled_s: rounds.sampled_s,
-        widest_interval: rounds.widest_interval,
-        drift: kernels.iter().any(|kernel| kernel.drifts),
-        clock_ticks: setting.kernels.map(|kernels| kernels.ticks),
-        kernels,
-        doubled_work: Vec::new(),
-        repeated_because: None,
-    })
+    /// The record of an interleaved set; none where nothing was timed.
+    pub(super) fn record(
+        &self,
+        work: &str,
+        rounds: &Rounds<'_>,
+        participants: Vec<String>,
+    ) -> Option<InterleavedSetRecord> {
+        let Setting { scene, viewpoint, resident_batch, .. } = self.clone();
+        let kernels = rounds.kernels();
+        let each_round = match work {
+            BUILDS => "first builds, each with a rebuild behind it",
+            UPDATES | FRAMES => "the next frame",
+            _ => "the same rays",
+        };
+        let in_u32 = |order: &Vec<usize>| order.iter().map(|participant| *participant as u32).collect();
+        Some(InterleavedSetRecord {
+            scene,
+            viewpoint,
+            resident_batch,
+            work: work.to_owned(),
+            participants,
+            order_seed: rounds.order_seed,
+            orders: rounds.orders.iter().map(in_u32).collect(),
+            each_round: each_round.to_owned(),
+            warm_up_rounds: 1,
+            sampling: rounds.sampling?,
+            stop_reason: rounds.stop_reason,
+            sampled_s: rounds.sampled_s,
+            widest_interval: rounds.widest_interval,
+            drift: kernels.iter().any(|kernel| kernel.drifts),
+            clock_ticks: self.kernels.map(|kernels| kernels.ticks),
+            kernels,
+            doubled_work: Vec::new(),
+            repeated_because: None,
+        })
+    }
 }
 
 impl Refusal {
@@ -488,7 +463,13 @@ impl Refusal {
         Self { reason: error.to_string(), too_large, unavailable, unserved, for_room }
     }
 
-    pub(super) fn of_session(error: &SessionError) -> Self {
-        Self { reason: error.to_string(), too_large: false, unavailable: false, unserved: false, for_room: false }
+    /// For a reason that is no limit of device or method.
+    pub(super) fn because(reason: String) -> Self {
+        Self { reason, too_large: false, unavailable: false, unserved: false, for_room: false }
+    }
+
+    /// Of what nothing is known.
+    pub(super) fn not_measured() -> Self {
+        Self::because("not measured".to_owned())
     }
 }

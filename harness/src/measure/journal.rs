@@ -1,7 +1,5 @@
 //! What has ended while more is measured: a folder with the plan and a file an interleaved set, each written whole.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -68,8 +66,6 @@ pub struct Journal {
     plan_sha256: String,
     resumed: Vec<String>,
     started: Option<String>,
-    /// What is there, by name: read once, when the run is gone on with.
-    kept: RefCell<BTreeMap<String, Vec<u8>>>,
 }
 
 impl Journal {
@@ -109,12 +105,9 @@ impl Journal {
     /// # Errors
     /// If there is nothing, or something else was begun.
     pub fn resume(results: &Arc<OutputFolder>, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
-        let read = |name: &str| {
-            let path = results.path().join(name);
-            fs::read(&path).map_err(|error| JournalError::Unreadable(path, error.to_string()))
-        };
-        let mut begun: Begun = serde_json::from_slice(&read(PLAN)?)
-            .map_err(|error| JournalError::Unreadable(results.path().join(PLAN), error.to_string()))?;
+        let unreadable = |reason: String| JournalError::Unreadable(results.path().join(PLAN), reason);
+        let text = fs::read(results.path().join(PLAN)).map_err(|error| unreadable(error.to_string()))?;
+        let mut begun: Begun = serde_json::from_slice(&text).map_err(|error| unreadable(error.to_string()))?;
         let now = Begun::now(plan, machine);
         let other = |what: &str| JournalError::Other(results.path().to_owned(), what.to_owned());
         if begun.plan != now.plan {
@@ -131,14 +124,11 @@ impl Journal {
             let (theirs, ours) = (begun.machine.label(), now.machine.label());
             return Err(other(&format!("on another machine ({theirs}; this is {ours})")));
         }
-        let interleaved_sets = Self::listed(results).into_iter().filter(|name| results.holds(name));
-        let interleaved_set = |name: String| Ok((interleaved_set_of(&name).to_owned(), read(&name)?));
-        let kept = RefCell::new(interleaved_sets.map(interleaved_set).collect::<Result<_, JournalError>>()?);
         begun.resumed.push(now.started);
         results.write(PLAN, &files::json(PLAN, &begun)?)?;
         let Begun { resumed, started, .. } = begun;
         let plan_sha256 = sha256_of(plan);
-        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started), kept })
+        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started) })
     }
 
     /// Whether a run that was broken off is in a folder of results.
@@ -165,9 +155,12 @@ impl Journal {
 
     /// What was kept under a name; `None` if there is nothing, or no whole document of the kind.
     pub(crate) fn read<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, JournalError> {
-        let kept = self.kept.borrow_mut().remove(name);
+        let file = format!("{FOLDER}{name}.json");
+        let Some(folder) = self.folder.as_ref().filter(|folder| folder.holds(&file)) else { return Ok(None) };
+        let path = folder.path().join(&file);
+        let text = fs::read(&path).map_err(|error| JournalError::Unreadable(path, error.to_string()))?;
         // An interleaved set that cannot be read, or is another one, is run again.
-        let ended = kept.and_then(|text| serde_json::from_slice::<Ended<T>>(&text).ok());
+        let ended = serde_json::from_slice::<Ended<T>>(&text).ok();
         let own = ended.filter(|ended| ended.plan_sha256 == self.plan_sha256 && ended.name == name);
         Ok(own.map(|ended| ended.ended))
     }
@@ -233,11 +226,6 @@ impl Begun {
 
 fn sha256_of(plan: &Value) -> String {
     crate::hash::sha256_of(plan.to_string().as_bytes())
-}
-
-/// What a file of an interleaved set is of.
-fn interleaved_set_of(file: &str) -> &str {
-    file.trim_start_matches(FOLDER).trim_end_matches(".json")
 }
 
 /// Where two plans differ first, in words.

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use rayon::prelude::*;
-use tracebench_api::{ClockKind, Gpu, PhaseClock, Timing, TracerError, tick_ms};
+use tracebench_api::{ClockKind, Gpu, PhaseClock, Residency, Timing, TracerError, tick_ms};
 use tracebench_kit::{FixedWork, FixedWorkPlan, fixed_task};
 
 use crate::results::times::whole_ns;
@@ -62,21 +62,21 @@ impl Kernels {
     }
 
     /// Whether there is one of a clock: none of the device's where nobody can run there.
-    pub fn have(&self, on: Side) -> bool {
-        on == Side::Host || self.device.is_some()
+    pub fn have(&self, on: Residency) -> bool {
+        on == Residency::Host || self.device.is_some()
     }
 
     /// Runs that of a clock once.
     ///
     /// # Errors
     /// What the device says.
-    pub fn sample(&self, on: Side, gpu: Option<&Gpu>) -> Result<Timing, TracerError> {
+    pub fn sample(&self, on: Residency, gpu: Option<&Gpu>) -> Result<Timing, TracerError> {
         match (on, &self.device, gpu) {
-            (Side::Device, Some((work, plan, _)), Some(gpu)) => on_device(gpu, work, plan),
-            (Side::Device, ..) => {
+            (Residency::Device, Some((work, plan, _)), Some(gpu)) => on_device(gpu, work, plan),
+            (Residency::Device, ..) => {
                 Err(TracerError::Unavailable("a fixed kernel on a device that is not there".to_owned()))
             }
-            (Side::Host, ..) => {
+            (Residency::Host, ..) => {
                 let mut clock = PhaseClock::new(None);
                 on_host(&mut clock, self.host_tasks);
                 clock.finish()
@@ -84,21 +84,14 @@ impl Kernels {
         }
     }
 
-    /// How much work that of a clock is.
-    fn tasks(&self, on: Side) -> u32 {
-        match (on, &self.device) {
-            (Side::Device, Some((.., tasks))) => *tasks,
-            _ => self.host_tasks,
-        }
-    }
-
     /// What its times tell.
-    pub fn record(&self, on: Side, timings: &[Timing]) -> KernelRecord {
+    pub fn record(&self, on: Residency, timings: &[Timing]) -> KernelRecord {
         let samples_ms: Vec<f64> = timings.iter().map(|timing| whole_ns(timing.total_ms)).collect();
         let (change, deviations) = drift(&samples_ms);
+        let device_tasks = self.device.as_ref().filter(|_| on == Residency::Device).map(|(.., tasks)| *tasks);
         KernelRecord {
             clock: timings.first().map_or(ClockKind::Host, |timing| timing.clock),
-            tasks: self.tasks(on),
+            tasks: device_tasks.unwrap_or(self.host_tasks),
             drifts: drifts(change, deviations),
             samples_ms,
             change,
@@ -109,13 +102,6 @@ impl Kernels {
 
 /// A change from the first round to the last that counts as a drift, a share: less of it cancels in ratios of paired rounds.
 const DRIFT: f64 = 0.25;
-
-/// Where work is done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
-    Host,
-    Device,
-}
 
 /// By which share times change over their rounds, and how sure that is.
 pub(crate) fn drift(samples_ms: &[f64]) -> (f64, f64) {
@@ -189,8 +175,11 @@ mod tests {
     #[test]
     fn kernels_have_work_enough() {
         let kernels = Kernels::new(None).unwrap();
-        assert!(kernels.host_tasks >= FEWEST_TASKS && kernels.sample(Side::Host, None).is_ok());
-        assert!(!kernels.have(Side::Device) && kernels.sample(Side::Device, None).is_err());
-        assert_eq!(kernels.record(Side::Host, &[kernels.sample(Side::Host, None).unwrap()]).tasks, kernels.host_tasks);
+        assert!(kernels.host_tasks >= FEWEST_TASKS && kernels.sample(Residency::Host, None).is_ok());
+        assert!(!kernels.have(Residency::Device) && kernels.sample(Residency::Device, None).is_err());
+        assert_eq!(
+            kernels.record(Residency::Host, &[kernels.sample(Residency::Host, None).unwrap()]).tasks,
+            kernels.host_tasks
+        );
     }
 }

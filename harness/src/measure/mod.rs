@@ -6,7 +6,6 @@
 
 pub mod controls;
 mod doubled_work;
-mod following;
 mod frames;
 mod interleaved_set;
 mod journal;
@@ -26,21 +25,19 @@ mod workload;
 use tracebench_api::TracerError;
 use tracebench_scenes::SceneError;
 
-pub(crate) use frames::{FrameWork, MovingFrames, Traced, Turn, Updated, follow, trace_once};
-pub use frames::{MAX_SAH_GROWTH, UpdatePolicy};
+pub(crate) use frames::{FrameWork, MovingFrames, Traced, Turn, follow, trace_once};
 pub use journal::{Journal, JournalError};
 pub use resident_batch::MAX_RESIDENT;
 pub(crate) use resident_batch::measure;
 pub use run::{Context, execute, execute_all};
-pub(crate) use run::{add, begin, empty, measure_scene, nothing, refuse};
-pub(crate) use scene::SceneTruth;
-pub use scene::{LoadedScene, choose_pose, load, load_at, load_scene, prepare};
+pub(crate) use run::{add, add_or_skip, begin, empty, measure_plan, measure_scene, nothing};
+pub(crate) use scene::{SceneTruth, mirrors};
+pub use scene::{choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;
 pub use tracer_config::{BuildSample, TracerCache, TracerConfig};
 pub(crate) use trial::{Trial, against_itself, fresh_and_repeated};
-pub(crate) use workload::{
-    AnimationFrames, MeasureOptions, Measured, Observations, PreparedWorkload, Refusal, Request, Workload,
-};
+pub use workload::PreparedWorkload;
+pub(crate) use workload::{MeasureOptions, Measured, Observations, Refusal, Workload, told};
 
 use crate::exchange::ExchangeError;
 use crate::viewpoint::PoseError;

@@ -10,15 +10,14 @@ use tracebench_scenes::{Origin, Scene};
 
 use super::controls::Control;
 use super::interleaved_set::BuildSamples;
-use super::session::{PreparedRays, Session};
-use crate::plan::{Plan, TracerRequest};
+use super::session::PreparedRays;
+use crate::plan::TracerRequest;
 use crate::results::times::whole_ns;
 use crate::results::{
     BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
     TraceRecord, TracerRecord, ViewpointRecord,
 };
 use crate::statistics::{median, median_interval};
-use crate::viewpoint::Pose;
 
 /// A clock's resolution, milliseconds: a shorter time is not told from it, and no speed is infinite.
 const MIN_MS: f64 = 1e-6;
@@ -203,10 +202,6 @@ pub(crate) fn scene_record(scene: &Scene) -> SceneRecord {
         duplicate_triangles_kept: scene.notes.duplicate_triangles_kept,
         warnings: scene.notes.warnings.clone(),
     }
-}
-
-pub(crate) fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> ViewpointRecord {
-    viewpoint_of(&pose.name, session.viewpoint(), plan.preset.ray_image, plan.time_s)
 }
 
 /// A viewpoint under a name.

@@ -5,12 +5,13 @@ use serde_json::Value;
 use tracebench_api::TracerError;
 
 use super::controls::Control;
-use super::interleaved_set::{Built, InterleavedSet, Outcome, Setting};
+use super::interleaved_set::{Built, InterleavedSet, Setting, Structures};
 use super::run::Context;
+use super::tracing::Answered;
 use super::workload::{Measured, Observations, PreparedWorkload, Refusal, Workload};
 use super::{RunError, records};
 use crate::machine;
-use crate::plan::{Resolution, TracerRequest};
+use crate::plan::Resolution;
 use crate::results::{InterleavedSetRecord, Row, SceneRecord, Skipped, TraceRecord, ViewpointRecord};
 
 /// Structures of configurations that are there at a time.
@@ -24,21 +25,12 @@ struct Head {
     difficulty_level: Option<f64>,
     sets: Vec<String>,
     skipped: Vec<Skipped>,
-    told: Value,
-}
-
-/// The interleaved set of the builds, as it is kept.
-#[derive(Default, Serialize, Deserialize)]
-struct BuildsMeasured {
-    participants: Vec<Outcome<Built>>,
-    interleaved_sets: Vec<InterleavedSetRecord>,
 }
 
 /// The interleaved set of a ray set, as it is kept.
 #[derive(Serialize, Deserialize)]
 struct RaysMeasured {
-    rays: String,
-    participants: Vec<Outcome<TraceRecord>>,
+    outcomes: Vec<Result<TraceRecord, Refusal>>,
     invalid: Option<String>,
     hooked: Value,
     interleaved_set: Option<InterleavedSetRecord>,
@@ -57,12 +49,6 @@ struct Here<'a> {
     unserved: Vec<Skipped>,
 }
 
-/// One resident batch, measured: the controls' rows, then those of its requests in order.
-struct ResidentBatch {
-    controls: Vec<Result<Row, Refusal>>,
-    rows: Vec<(usize, Result<Row, Refusal>)>,
-}
-
 /// Measures a place, but for the interleaved sets that the journal has.
 ///
 /// # Errors
@@ -72,7 +58,7 @@ pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Mea
     // Requests by structure, in the order of the first of each.
     let mut slots: Vec<Vec<usize>> = Vec::new();
     for (index, request) in place.requests.iter().enumerate() {
-        match slots.iter_mut().find(|slot| place.requests[slot[0]].shares_with(request)) {
+        match slots.iter_mut().find(|slot| place.requests[slot[0]].shares_structure_with(request)) {
             Some(slot) => slot.push(index),
             None => slots.push(vec![index]),
         }
@@ -81,7 +67,6 @@ pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Mea
         scene: here.head.scene.clone(),
         viewpoint: here.head.viewpoint.clone(),
         skipped: here.head.skipped.clone(),
-        told: here.head.told.clone(),
         ..Measured::default()
     };
     let mut rows: Vec<Option<Result<Row, Refusal>>> = place.requests.iter().map(|_| None).collect();
@@ -98,13 +83,13 @@ pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Mea
             .enumerate()
             .map(|(at, slot)| if at == 0 && anchored { &slots[*slot][..1] } else { &slots[*slot][..] })
             .collect();
-        let resident_batch = here.resident_batch(number, &requests)?;
-        let controls = here.controls(resident_batch.controls)?;
+        let mut batch = here.resident_batch(number, &requests)?.into_iter();
+        let controls = here.controls(batch.by_ref().take(Control::ALL.len()))?;
         if number == 0 {
             found.controls = controls;
         }
         let mut left = Vec::new();
-        for (at, (request, row)) in resident_batch.rows.into_iter().enumerate() {
+        for (at, (request, row)) in requests.concat().into_iter().zip(batch).enumerate() {
             if anchored && at == 0 {
                 found.anchors.extend(row.ok());
                 continue;
@@ -128,8 +113,7 @@ pub(crate) fn measure(place: &Workload<'_>, context: &Context<'_>) -> Result<Mea
         }));
         number += 1;
     }
-    let none = || Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false));
-    found.rows = rows.into_iter().map(|row| row.unwrap_or_else(none)).collect();
+    found.rows = rows.into_iter().map(|row| row.unwrap_or_else(|| Err(Refusal::not_measured()))).collect();
     found.skipped.extend(here.unserved);
     (found.hooked, found.invalid, found.interleaved_sets) = (here.hooked, here.invalid, here.interleaved_sets);
     Ok(found)
@@ -149,7 +133,6 @@ impl<'a> Here<'a> {
                     difficulty_level: placed.difficulty_level,
                     sets: placed.session.rays.iter().map(|rays| rays.set.name.to_owned()).collect(),
                     skipped: placed.session.skipped.clone(),
-                    told: placed.told.clone(),
                 };
                 context.journal.keep(&name, &head)?;
                 (head, Some(placed))
@@ -159,14 +142,15 @@ impl<'a> Here<'a> {
         Ok(Self { place, context, placed, head, invalid: None, hooked, interleaved_sets, unserved })
     }
 
-    /// Runs the interleaved sets of a resident batch, or takes them from the journal. `requests` by structure.
-    fn resident_batch(&mut self, number: usize, requests: &[&[usize]]) -> Result<ResidentBatch, RunError> {
+    /// Runs the interleaved sets of a resident batch, or takes them from the journal: the controls' rows, then those of its requests in
+    /// order. `requests` by structure.
+    fn resident_batch(&mut self, number: usize, requests: &[&[usize]]) -> Result<Vec<Result<Row, Refusal>>, RunError> {
         let index = self.place.index;
         let builds = format!("{index:03}-{number:02}-builds");
         let sets = self.head.sets.clone();
         let names: Vec<String> = (0..sets.len()).map(|set| format!("{index:03}-{number:02}-rays-{set:02}")).collect();
         let journal = self.context.journal;
-        let mut kept_builds: Option<BuildsMeasured> = journal.read(&builds)?;
+        let mut kept_builds: Option<Structures> = journal.read(&builds)?;
         let mut kept: Vec<Option<RaysMeasured>> =
             names.iter().map(|name| journal.read(name)).collect::<Result<_, _>>()?;
         if (kept_builds.is_none() || kept.iter().any(Option::is_none)) && self.placed.is_none() {
@@ -179,19 +163,18 @@ impl<'a> Here<'a> {
                 None => {
                     let built = interleaved_set.build()?;
                     self.context.check_device()?;
-                    let ended =
-                        BuildsMeasured { participants: built.outcomes, interleaved_sets: built.interleaved_sets };
-                    journal.keep(&builds, &ended)?;
-                    kept_builds = Some(ended);
+                    journal.keep(&builds, &built)?;
+                    kept_builds = Some(built);
                 }
-                Some(ended) => {
-                    take_out(&mut interleaved_set, &ended.participants);
+                Some(built) => {
+                    take_out(&mut interleaved_set, &built.outcomes, |_| true);
                     interleaved_set.restore()?;
                 }
             }
             for ((rays, name), kept) in placed.session.rays.iter().zip(&names).zip(&mut kept) {
                 if let Some(ended) = kept {
-                    take_out(&mut interleaved_set, &ended.participants);
+                    // Who does not serve some rays stays in for others.
+                    take_out(&mut interleaved_set, &ended.outcomes, |refusal| !refusal.unserved);
                     continue;
                 }
                 let answered = interleaved_set.trace(rays)?;
@@ -203,14 +186,8 @@ impl<'a> Here<'a> {
                     Some(hook) => hook(&placed.session, rays, &by_request(requests, self.place, answered.told))?,
                     None => Value::Null,
                 };
-                let rays = rays.set.name.to_owned();
-                let ended = RaysMeasured {
-                    rays,
-                    participants: answered.outcomes,
-                    invalid: answered.invalid,
-                    hooked,
-                    interleaved_set: answered.interleaved_set,
-                };
+                let Answered { outcomes, invalid, interleaved_set: record, .. } = answered;
+                let ended = RaysMeasured { outcomes, invalid, hooked, interleaved_set: record };
                 journal.keep(name, &ended)?;
                 *kept = Some(ended);
             }
@@ -229,7 +206,6 @@ impl<'a> Here<'a> {
     where
         'a: 'r,
     {
-        let film = placed.film.as_ref();
         let setting = Setting {
             scene: self.head.scene.name.clone(),
             viewpoint: self.head.viewpoint.name.clone(),
@@ -238,42 +214,19 @@ impl<'a> Here<'a> {
             turn: 0,
         };
         let mut interleaved_set =
-            InterleavedSet::new(&placed.session, film, self.place.options, self.context.progress, setting);
-        let mut participant = Control::ALL.len();
+            InterleavedSet::new(&placed.session, self.place.options, self.context.progress, setting);
         for slot in requests {
-            let request = &self.place.requests[slot[0]];
-            let created = self.context.tracer_cache.borrow_mut().config(&request.tracer, self.context.device);
-            let refusal = match created {
-                Ok(config) => {
-                    interleaved_set.enter(config, Some(request), None);
-                    None
-                }
-                Err(error)
-                    if request.tracer.required && !self.place.options.lenient && self.is_alone(&request.tracer) =>
-                {
-                    return Err(RunError::Tracer(request.tracer.name().to_owned(), error));
-                }
-                Err(error) => {
-                    interleaved_set.enter(self.context.absent(&request.tracer), Some(request), None);
-                    Some(Refusal::of(&error, false))
-                }
-            };
+            let first = &self.place.requests[slot[0]];
+            let (config, refusal) = self.context.config_or_refusal(first, self.place.requests)?;
+            interleaved_set.enter(config, Some(first), None);
             for further in &slot[1..] {
-                interleaved_set.join(Some(&self.place.requests[*further].tracer), None);
+                interleaved_set.join(Some(&self.place.requests[*further]), None);
             }
-            for _ in slot.iter() {
-                if let Some(refusal) = &refusal {
-                    interleaved_set.take_out(participant, refusal.clone());
-                }
-                participant += 1;
+            for participant in interleaved_set.participants.iter_mut().rev().take(slot.len()) {
+                participant.out.clone_from(&refusal);
             }
         }
         Ok(interleaved_set)
-    }
-
-    /// Whether no other tracer is asked for: then there is nothing left that could be measured.
-    fn is_alone(&self, tracer: &TracerRequest) -> bool {
-        self.place.requests.iter().all(|other| other.tracer.name() == tracer.name())
     }
 
     /// Puts the outcomes of a resident batch's interleaved sets together, participant by participant.
@@ -281,21 +234,18 @@ impl<'a> Here<'a> {
         &mut self,
         number: usize,
         requests: &[&[usize]],
-        builds: BuildsMeasured,
+        builds: Structures,
         interleaved_sets: Vec<RaysMeasured>,
-    ) -> ResidentBatch {
-        let controls = Control::ALL.len();
+    ) -> Vec<Result<Row, Refusal>> {
         let order: Vec<usize> = requests.concat();
         let of_builds = self.interleaved_sets.len() as u32;
         self.interleaved_sets.extend(builds.interleaved_sets);
-        let builds = builds.participants;
-        let mut participants: Vec<Vec<Outcome<TraceRecord>>> = builds.iter().map(|_| Vec::new()).collect();
+        let builds = builds.outcomes;
+        let mut participants: Vec<Vec<Result<TraceRecord, Refusal>>> = builds.iter().map(|_| Vec::new()).collect();
         for mut interleaved_set in interleaved_sets {
             if let Some(record) = interleaved_set.interleaved_set.take() {
-                for outcome in &mut interleaved_set.participants {
-                    if let Outcome::Measured(trace) = outcome {
-                        trace.times.interleaved_set = Some(self.interleaved_sets.len() as u32);
-                    }
+                for trace in interleaved_set.outcomes.iter_mut().flatten() {
+                    trace.times.interleaved_set = Some(self.interleaved_sets.len() as u32);
                 }
                 self.interleaved_sets.push(record);
             }
@@ -303,25 +253,19 @@ impl<'a> Here<'a> {
             if number == 0 {
                 self.hooked.push(interleaved_set.hooked);
             }
-            for (participant, outcome) in participants.iter_mut().zip(interleaved_set.participants) {
+            for (participant, outcome) in participants.iter_mut().zip(interleaved_set.outcomes) {
                 participant.push(outcome);
             }
         }
-        let mut resident_batch = ResidentBatch { controls: Vec::new(), rows: Vec::new() };
+        let mut rows = Vec::new();
         for (participant, (mut built, traced)) in builds.into_iter().zip(participants).enumerate() {
-            if let Outcome::Measured(Built { build, .. }) = &mut built {
-                build.all_mut().for_each(|times| {
-                    times.interleaved_set = times.interleaved_set.map(|interleaved_set| interleaved_set + of_builds);
-                });
+            for times in built.iter_mut().flat_map(|built| built.build.all_mut()) {
+                times.interleaved_set = times.interleaved_set.map(|interleaved_set| interleaved_set + of_builds);
             }
-            let request = order.get(participant.wrapping_sub(controls)).copied();
-            let row = self.row(number, participant, request, built, traced);
-            match request {
-                None => resident_batch.controls.push(row),
-                Some(request) => resident_batch.rows.push((request, row)),
-            }
+            let request = participant.checked_sub(Control::ALL.len()).map(|place| order[place]);
+            rows.push(self.row(number, participant, request, built, traced));
         }
-        resident_batch
+        rows
     }
 
     fn row(
@@ -329,15 +273,15 @@ impl<'a> Here<'a> {
         number: usize,
         participant: usize,
         request: Option<usize>,
-        built: Outcome<Built>,
-        traced: Vec<Outcome<TraceRecord>>,
+        built: Result<Built, Refusal>,
+        traced: Vec<Result<TraceRecord, Refusal>>,
     ) -> Result<Row, Refusal> {
-        let Built { memory, structure_statistics, build } = measured(built)?;
+        let Built { memory, structure_statistics, build } = built?;
         let (mut traces, mut unserved) = (Vec::new(), Vec::new());
         for (rays, outcome) in self.head.sets.iter().zip(traced) {
             match outcome {
-                Outcome::Unserved(refusal) => unserved.push((rays.clone(), refusal)),
-                outcome => traces.push(measured(outcome)?),
+                Err(refusal) if refusal.unserved => unserved.push((rays.clone(), refusal)),
+                outcome => traces.push(outcome?),
             }
         }
         // Who serves none of the rays has no row.
@@ -345,7 +289,7 @@ impl<'a> Here<'a> {
             return Err(refusal.clone());
         }
         let mut viewpoint = self.head.viewpoint.clone();
-        let tracer = match request.map(|request| &self.place.requests[request].tracer) {
+        let tracer = match request.map(|request| &self.place.requests[request]) {
             None => records::control_record(Control::ALL[participant]),
             Some(request) => {
                 if let Some(Resolution { frame, face }) = request.resolution {
@@ -380,9 +324,9 @@ impl<'a> Here<'a> {
     }
 
     /// Controls go the way of every configuration, and one that cannot voids what was measured.
-    fn controls(&mut self, rows: Vec<Result<Row, Refusal>>) -> Result<Vec<Row>, RunError> {
+    fn controls(&mut self, rows: impl Iterator<Item = Result<Row, Refusal>>) -> Result<Vec<Row>, RunError> {
         let mut controls = Vec::new();
-        for (row, control) in rows.into_iter().zip(Control::ALL) {
+        for (row, control) in rows.zip(Control::ALL) {
             match row {
                 Ok(row) => controls.push(row),
                 Err(refusal) if self.place.options.lenient => {
@@ -398,18 +342,14 @@ impl<'a> Here<'a> {
     }
 }
 
-fn measured<T>(outcome: Outcome<T>) -> Result<T, Refusal> {
-    match outcome {
-        Outcome::Measured(found) => Ok(found),
-        Outcome::Out(refusal) | Outcome::Unserved(refusal) => Err(refusal),
-        Outcome::Absent => Err(Refusal::of(&TracerError::Failed("it was taken out before".to_owned()), false)),
-    }
-}
-
 /// Takes out of an interleaved set who was taken out of the one that is kept.
-fn take_out<T>(interleaved_set: &mut InterleavedSet<'_>, participants: &[Outcome<T>]) {
-    for (participant, outcome) in participants.iter().enumerate() {
-        if let Outcome::Out(refusal) = outcome {
+fn take_out<T>(
+    interleaved_set: &mut InterleavedSet<'_>,
+    outcomes: &[Result<T, Refusal>],
+    is_out: impl Fn(&Refusal) -> bool,
+) {
+    for (participant, outcome) in outcomes.iter().enumerate() {
+        if let Some(refusal) = outcome.as_ref().err().filter(|refusal| is_out(refusal)) {
             interleaved_set.take_out(participant, refusal.clone());
         }
     }

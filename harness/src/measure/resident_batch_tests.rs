@@ -184,6 +184,6 @@ fn a_window_of_structures_is_resident() {
     // A sweep of the same tracer keeps its points.
     let described = description().parameters.remove(0);
     let axis = parameter_axis(&request(), &described, None).unwrap();
-    let record = measured(|context| Sweep::new(&plan(), vec![axis], false).unwrap().execute(false, context));
+    let record = measured(|context| Sweep::new(&plan(), vec![axis], false).unwrap().execute(context));
     assert_eq!((record.rows.len(), record.sweep.map(|sweep| sweep.points.len())), (2, Some(2)));
 }

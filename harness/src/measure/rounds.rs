@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use tracebench_api::{Gpu, Timing, TracerError};
+use tracebench_api::{Gpu, Residency, Timing, TracerError};
 
-use super::kernels::{Kernels, Side};
+use super::kernels::Kernels;
 use crate::rays::sampling::Stream;
 use crate::results::{Adaptive, COVERAGE, MIN_ROUNDS, SampleSchedule, StopReason, of_rounds};
 use crate::statistics::median;
@@ -40,8 +40,8 @@ pub(crate) struct Round {
 pub(crate) struct Rounds<'a> {
     /// None where nothing is timed: all is done once, in the order of participants.
     pub sampling: Option<SampleSchedule>,
-    kernels: Vec<(Side, &'a Kernels, Vec<Timing>)>,
-    seed: u64,
+    kernels: Vec<(Residency, &'a Kernels, Vec<Timing>)>,
+    pub order_seed: u64,
     participants: usize,
     begun: usize,
     counted_since: Option<Instant>,
@@ -59,14 +59,14 @@ impl<'a> Rounds<'a> {
     /// The rounds of so many participants.
     pub fn new(
         sampling: Option<SampleSchedule>,
-        seed: u64,
+        order_seed: u64,
         participants: usize,
-        kernels: &[(Side, &'a Kernels)],
+        kernels: Vec<(Residency, &'a Kernels)>,
     ) -> Self {
         Self {
             sampling,
-            kernels: kernels.iter().map(|(side, kernels)| (*side, *kernels, Vec::new())).collect(),
-            seed,
+            kernels: kernels.into_iter().map(|(side, kernels)| (side, kernels, Vec::new())).collect(),
+            order_seed,
             participants,
             begun: 0,
             counted_since: None,
@@ -102,7 +102,7 @@ impl<'a> Rounds<'a> {
             timings.extend(Some(timing).filter(|_| counts));
         }
         let order = match self.sampling {
-            Some(_) => order(self.seed, self.begun, self.participants),
+            Some(_) => order(self.order_seed, self.begun, self.participants),
             None => (0..self.participants).collect(),
         };
         if counts {

@@ -11,7 +11,7 @@ use tracebench_scenes::Scene;
 use super::controls::Control;
 use super::kernels::Kernels;
 use super::resident_batch::measure;
-use super::workload::{AnimationFrames, Hook, MeasureOptions, Measured, PreparedWorkload, Refusal, Request, Workload};
+use super::workload::{Hook, MeasureOptions, Measured, PreparedWorkload, Refusal, Workload};
 use super::{Journal, RunError, TracerCache, TracerConfig, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
@@ -34,7 +34,7 @@ pub struct Context<'a> {
     pub shard: Option<Shard>,
     /// How searches read and are launched where nothing is set: what the requests have taken.
     pub launch: Option<LaunchRecord>,
-    pub(super) tracer_cache: RefCell<TracerCache>,
+    tracer_cache: RefCell<TracerCache>,
     kernels: OnceCell<Kernels>,
 }
 
@@ -76,20 +76,34 @@ impl<'a> Context<'a> {
         self.shard.as_ref().is_none_or(|shard| shard.takes(place))
     }
 
-    /// Creates a tracer that will be asked for.
-    ///
-    /// # Errors
-    /// What the tracer says.
-    pub(crate) fn create(&self, request: &TracerRequest) -> Result<(), TracerError> {
-        self.config(request).map(drop)
-    }
-
     /// A tracer without a structure.
     ///
     /// # Errors
     /// What the tracer says.
     pub(crate) fn config(&self, request: &TracerRequest) -> Result<TracerConfig, TracerError> {
         self.tracer_cache.borrow_mut().config(request, self.device)
+    }
+
+    /// The same, or a stand-in for a tracer that cannot be created, with the reason.
+    ///
+    /// # Errors
+    /// What a tracer says that must run, where no other one is asked for: then there is nothing left that could be measured.
+    pub(super) fn config_or_refusal(
+        &self,
+        request: &TracerRequest,
+        all: &[TracerRequest],
+    ) -> Result<(TracerConfig, Option<Refusal>), RunError> {
+        match self.config(request) {
+            Ok(config) => Ok((config, None)),
+            Err(error) if request.required && all.iter().all(|other| other.name() == request.name()) => {
+                Err(RunError::Tracer(request.name().to_owned(), error))
+            }
+            Err(error) => {
+                let nothing = Control::AlwaysMiss.tracer(Vec::new(), 1.0);
+                let config = TracerConfig::ready(request.registration.describe(), request.parameters.clone(), nothing);
+                Ok((config, Some(Refusal::of(&error, false))))
+            }
+        }
     }
 
     /// A device that was lost ends the run: what it did not answer is no property of tracers.
@@ -100,18 +114,13 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A stand-in for a configuration that cannot be created.
-    pub(super) fn absent(&self, request: &TracerRequest) -> TracerConfig {
-        let nothing = Control::AlwaysMiss.tracer(Vec::new(), 1.0);
-        TracerConfig::ready(request.registration.describe(), request.parameters.clone(), nothing)
-    }
-
     /// That the device can hold the rays of requests which must have one: known before the truth is told, which takes long for
     /// many rays.
     ///
     /// # Errors
     /// [`RunError::Device`] with what to turn down.
-    pub(crate) fn check_rays(&self, plan: &Plan, required: bool) -> Result<(), RunError> {
+    pub(crate) fn check_rays(&self, plan: &Plan) -> Result<(), RunError> {
+        let required = plan.tracers.iter().any(TracerRequest::must_have_device);
         if let Some(gpu) = self.device.as_ref().ok().filter(|_| required) {
             let [width, height] = plan.preset.ray_image.map(u64::from);
             let saved = plan.ray_sets.iter().filter_map(RaySet::saved).map(|saved| saved.rays.len() as u64).max();
@@ -137,20 +146,17 @@ pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
 pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunError> {
     let mut record = begin(plans, context);
     for plan in plans {
-        context.check_rays(plan, plan.tracers.iter().any(TracerRequest::must_have_device))?;
+        context.check_rays(plan)?;
     }
     let mut index = 0;
     for plan in plans {
-        let requests: Vec<Request> = plan.tracers.iter().map(Request::of).collect();
         let mut said = records::json_values(&plan.ray_parameters);
         said.retain(|name, value| record.ray_parameters.get(name) != Some(&*value));
         for (place, scene) in load(plan, context.progress)?.into_iter().enumerate() {
             if context.takes(place) {
                 let options = MeasureOptions::timed(plan);
-                let found = measure_scene(index, plan, (scene, None), &requests, options, None, context)?.saying(&said);
-                for (request, refused) in add(&mut record, found) {
-                    refuse(&mut record, &records::request_record(&requests[request].tracer).label(), None, refused);
-                }
+                let found = measure_scene(index, plan, scene, &plan.tracers, options, None, context)?.saying(&said);
+                add_or_skip(&mut record, found, &plan.tracers);
             }
             index += 1;
         }
@@ -158,26 +164,42 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunE
     if record.rows.is_empty() && context.shard.is_none() { Err(nothing(&record)) } else { Ok(record) }
 }
 
-/// Measures requests from the plan's viewpoint in a scene, which is the last frame of a film, if there is one.
+/// Measures requests from the plan's viewpoint in a scene.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub(crate) fn measure_scene(
     index: usize,
     plan: &Plan,
-    frame: (Scene, Option<AnimationFrames>),
-    requests: &[Request],
+    scene: Scene,
+    requests: &[TracerRequest],
     options: MeasureOptions,
     hook: Option<Hook<'_>>,
     context: &Context<'_>,
 ) -> Result<Measured, RunError> {
-    let sha256 = frame.0.sha256.clone();
-    let frame = RefCell::new(Some(frame));
-    let prepare = || match frame.take() {
-        Some((scene, film)) => Ok(PreparedWorkload { film, ..placed(plan, scene, context)? }),
+    let (sha256, scene) = (scene.sha256.clone(), RefCell::new(Some(scene)));
+    let prepare = || match scene.take() {
+        Some(scene) => placed(plan, scene, context),
         None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
     };
     measure(&Workload { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, options, hook }, context)
+}
+
+/// The same in the plan's only scene, which is loaded.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub(crate) fn measure_plan(
+    index: usize,
+    plan: &Plan,
+    requests: &[TracerRequest],
+    options: MeasureOptions,
+    hook: Option<Hook<'_>>,
+    context: &Context<'_>,
+) -> Result<Measured, RunError> {
+    let scene = load(plan, context.progress)?.pop();
+    let scene = scene.ok_or_else(|| RunError::Nothing("no scene was asked for".to_owned()))?;
+    measure_scene(index, plan, scene, requests, options, hook, context)
 }
 
 /// A scene from the plan's viewpoint, ready to be measured.
@@ -185,16 +207,7 @@ pub(crate) fn measure_scene(
 /// # Errors
 /// [`RunError`] as its variants say.
 pub(super) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result<PreparedWorkload, RunError> {
-    let loaded = prepare(plan, scene, context.device, context.cache, context.progress)?;
-    let viewpoint = records::viewpoint_record(plan, &loaded.pose, &loaded.session);
-    Ok(PreparedWorkload {
-        scene: loaded.record,
-        viewpoint,
-        difficulty_level: None,
-        session: loaded.session,
-        film: None,
-        told: serde_json::Value::Null,
-    })
+    prepare(plan, scene, context.device, context.cache, context.progress)
 }
 
 /// A run without anything measured yet; the first plan tells what is said of it as a whole.
@@ -226,8 +239,8 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
 }
 
 /// Adds what was measured in a place, and gives who could not be, by request.
-pub(crate) fn add(record: &mut Record, found: Measured) -> Vec<(usize, (String, Refusal))> {
-    let Measured { scene, controls, rows, anchors, interleaved_sets, skipped, .. } = found;
+pub(crate) fn add(record: &mut Record, found: Measured) -> Vec<(usize, Refusal)> {
+    let Measured { controls, rows, anchors, interleaved_sets, skipped, .. } = found;
     let before = record.interleaved_sets.len() as u32;
     let placed = |row: Row| row.with_races_after(before);
     record.skipped.extend(skipped);
@@ -238,16 +251,19 @@ pub(crate) fn add(record: &mut Record, found: Measured) -> Vec<(usize, (String, 
     for (request, row) in rows.into_iter().enumerate() {
         match row {
             Ok(row) => record.rows.push(placed(row)),
-            Err(refusal) => refused.push((request, (scene.name.clone(), refusal))),
+            Err(refusal) => refused.push((request, refusal)),
         }
     }
     refused
 }
 
-/// Notes what could not be measured in a scene.
-pub(crate) fn refuse(record: &mut Record, tracer: &str, what: Option<&str>, (scene, refusal): (String, Refusal)) {
-    let tracer = Some(what.map_or_else(|| tracer.to_owned(), |what| format!("{tracer} ({what})")));
-    record.skipped.push(Skipped { tracer, scene, rays: None, reason: refusal.reason });
+/// Adds what was measured in a place, and notes which tracers could not be.
+pub(crate) fn add_or_skip(record: &mut Record, found: Measured, requests: &[TracerRequest]) {
+    let scene = found.scene.name.clone();
+    for (request, Refusal { reason, .. }) in add(record, found) {
+        let tracer = Some(records::request_record(&requests[request]).label());
+        record.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
+    }
 }
 
 /// The error of a run in which nothing could run, with every reason once.

@@ -7,6 +7,7 @@ use tracebench_api::{Geometry, Gpu};
 use tracebench_scenes::{Camera, CameraPath, Material, Mesh, Scene, SceneError};
 
 use super::session::{RayRequest, Session};
+use super::workload::PreparedWorkload;
 use super::{RunError, records};
 use crate::plan::{Plan, SceneSource, ViewRequest};
 use crate::progress::Progress;
@@ -60,16 +61,6 @@ fn named_pose(name: &str, scene: &str, cameras: &[Camera]) -> Result<Pose, RunEr
     })
 }
 
-/// A scene that is ready to be measured.
-pub struct LoadedScene {
-    /// Its record.
-    pub record: SceneRecord,
-    /// The pose chosen.
-    pub pose: Pose,
-    /// Its rays and truth.
-    pub session: Session,
-}
-
 /// Loads the plan's scenes and looks whether they have the viewpoint, so that what is wrong with the last one is said
 /// before the first is measured.
 ///
@@ -100,7 +91,7 @@ pub fn load_at(plan: &Plan, time_s: Option<f64>, progress: &Progress) -> Result<
     plan.scenes.iter().map(load).collect()
 }
 
-/// Chooses the viewpoint of a scene, makes rays and truth.
+/// Chooses the viewpoint of a scene by a plan, makes rays and truth.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
@@ -110,7 +101,7 @@ pub fn prepare(
     device: &Device,
     cache: &Cache,
     progress: &Progress,
-) -> Result<LoadedScene, RunError> {
+) -> Result<PreparedWorkload, RunError> {
     progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
     for warning in &scene.notes.warnings {
         progress.say(&format!("  warning: {warning}"));
@@ -119,6 +110,12 @@ pub fn prepare(
     let scene = SceneTruth::new(scene, device, identity)?;
     let pose = choose_pose(&plan.view, &scene.record.name, &scene.cameras, &scene.truth)?;
     scene.seen_from(plan, pose, cache, progress)
+}
+
+/// For every triangle whether it is a mirror.
+pub(crate) fn mirrors(mesh: &Mesh) -> Vec<bool> {
+    let of_materials: Vec<bool> = mesh.materials.iter().map(Material::is_mirror).collect();
+    mesh.triangle_materials.iter().map(|material| of_materials[*material as usize]).collect()
 }
 
 /// A scene with its truth, to be seen from any number of poses.
@@ -143,8 +140,7 @@ impl SceneTruth {
     pub(crate) fn new(scene: Scene, device: &Device, audited: fn(Truth) -> Truth) -> Result<Self, RunError> {
         let gpu = device.as_ref().ok().cloned();
         let record = records::scene_record(&scene);
-        let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
-        let mirrors = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
+        let mirrors = mirrors(&scene.mesh);
         let Mesh { positions, triangles, triangle_materials, .. } = scene.mesh;
         let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.as_deref())?;
         let truth = Arc::new(audited(Truth::new(&geometry, &scene.sha256)));
@@ -161,7 +157,7 @@ impl SceneTruth {
         pose: Pose,
         cache: &Cache,
         progress: &Progress,
-    ) -> Result<LoadedScene, RunError> {
+    ) -> Result<PreparedWorkload, RunError> {
         let viewpoint = pose.viewpoint(self.truth.geometry(), plan.preset.frame, plan.preset.face);
         let request = RayRequest {
             sets: &plan.ray_sets,
@@ -173,9 +169,10 @@ impl SceneTruth {
         };
         let truth = Arc::clone(&self.truth);
         let session = Session::new(&self.record.name, truth, viewpoint, request, self.gpu.clone(), cache, progress)?;
-        Ok(LoadedScene {
-            record: self.record.clone(),
-            pose,
+        Ok(PreparedWorkload {
+            scene: self.record.clone(),
+            viewpoint: records::viewpoint_of(&pose.name, &viewpoint, plan.preset.ray_image, plan.time_s),
+            difficulty_level: None,
             session: session.tracing_to(plan.trace_to).keeping_wrong_rays(plan.wrong_rays_per_cause),
         })
     }

@@ -366,7 +366,7 @@ impl Session {
         let names_primitives = config.description.names_primitives;
         let judge =
             Judge { names_primitives, voxels: sampling_model.voxels, ..self.judge_of(rays, &sampling_model.samplings) };
-        judge.judge(hits).map_err(|error| no_answers(config.description.name, rays, error))
+        judge.judge(hits).map_err(|error| no_answers(config.description.name, rays.set.name, error))
     }
 
     /// The judge's causes of wrong answers among some of them, and how many have each; of an any-hit set whatever the rule.
@@ -386,7 +386,7 @@ impl Session {
         let hits: Vec<Hit> = of.iter().map(|ray| told.hits[*ray]).collect();
         let judge = self.judge_of(rays, &told.sampling_model.samplings);
         let judge = Judge { rays: &hosts, answers: &answers, voxels: told.sampling_model.voxels, ..judge };
-        let judged = judge.judge(&hits).map_err(|error| no_answers(tracer, rays, error))?;
+        let judged = judge.judge(&hits).map_err(|error| no_answers(tracer, rays.set.name, error))?;
         let rule = if rays.set.query == Query::Any { OCCLUSION } else { rule.name() };
         Ok(judged.causes().get(rule).cloned().unwrap_or_default())
     }
@@ -406,7 +406,7 @@ impl Session {
             return Ok(None);
         }
         let judged = self.judge_of(rays, &[]).judge_surfaces(hits, surfaces);
-        judged.map(Some).map_err(|error| no_answers(config.description.name, rays, error))
+        judged.map(Some).map_err(|error| no_answers(config.description.name, rays.set.name, error))
     }
 
     /// The class of every answer under a rule, as [`Judge::classes`].
@@ -420,7 +420,7 @@ impl Session {
         rule: Rule,
         hits: &[Hit],
     ) -> Result<Vec<Option<Class>>, SessionError> {
-        self.judge_of(rays, &[]).classes(rule, hits).map_err(|error| no_answers(tracer, rays, error))
+        self.judge_of(rays, &[]).classes(rule, hits).map_err(|error| no_answers(tracer, rays.set.name, error))
     }
 
     pub(crate) fn judge_of<'a>(&'a self, rays: &'a PreparedRays, samplings: &'a [SampledImage]) -> Judge<'a> {
@@ -438,6 +438,7 @@ impl Session {
     }
 }
 
-fn no_answers(tracer: &str, rays: &PreparedRays, error: JudgeError) -> SessionError {
-    SessionError::Judge(tracer.to_owned(), rays.set.name.to_owned(), error)
+/// What a tracer gave to rays of a name is no answers.
+pub(crate) fn no_answers(tracer: &str, rays: &str, error: JudgeError) -> SessionError {
+    SessionError::Judge(tracer.to_owned(), rays.to_owned(), error)
 }

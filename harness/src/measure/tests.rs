@@ -10,7 +10,7 @@ use tracebench_api::{
 };
 use tracebench_tests::{Fake, Manner};
 
-use super::interleaved_set::{Built, InterleavedSet, Outcome, Setting};
+use super::interleaved_set::{Built, InterleavedSet, Setting};
 use super::kernels::Kernels;
 use super::session::{RayRequest, Session};
 use super::*;
@@ -36,8 +36,8 @@ fn session() -> Session {
 
 /// What came of one configuration.
 struct Came {
-    built: Outcome<Built>,
-    traced: Outcome<TraceRecord>,
+    built: Result<Built, Refusal>,
+    traced: Result<TraceRecord, Refusal>,
     /// What a control scored wrongly.
     invalid: Option<String>,
     interleaved_set: Option<InterleavedSetRecord>,
@@ -47,13 +47,13 @@ impl Came {
     /// Why it was taken out; empty if it was not.
     fn failure(&self) -> String {
         match (&self.built, &self.traced) {
-            (Outcome::Out(refusal), _) | (_, Outcome::Out(refusal)) => refusal.reason.clone(),
+            (Err(refusal), _) | (_, Err(refusal)) => refusal.reason.clone(),
             _ => String::new(),
         }
     }
 
     fn trace(&self) -> Option<&TraceRecord> {
-        if let Outcome::Measured(trace) = &self.traced { Some(trace) } else { None }
+        self.traced.as_ref().ok()
     }
 }
 
@@ -85,7 +85,7 @@ fn raced_by(
     let options = MeasureOptions { sampling: SampleSchedule::rounds(rounds), timed: true, ..MeasureOptions::untimed() };
     let setting =
         Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), resident_batch: 0, kernels, turn: 0 };
-    let mut interleaved_set = InterleavedSet::new(&session, None, options, &quiet, setting);
+    let mut interleaved_set = InterleavedSet::new(&session, options, &quiet, setting);
     interleaved_set.enter(TracerConfig::ready(description, parameters, tracer).timed_by(now), None, control);
     let built = interleaved_set.build().unwrap().outcomes.pop().unwrap();
     let mut answered = interleaved_set.trace(&session.rays[0]).unwrap();
@@ -103,7 +103,7 @@ fn raced_by(
 fn answers_of_an_earlier_sample_do_not_count() {
     let honest = interleaved_set(Box::new(Fake(Manner::Honest)), None);
     assert_eq!(honest.failure(), "");
-    let Outcome::Measured(Built { build, .. }) = &honest.built else { panic!("not built") };
+    let Ok(Built { build, .. }) = &honest.built else { panic!("not built") };
     let samples = honest.trace().unwrap().times.samples_ms.len();
     assert_eq!((build.times.samples_ms.len(), samples), (2, 2));
     // Its counted answers are written, its last timed ones are poison.
@@ -174,7 +174,7 @@ fn times_below_twenty_ticks_are_invalid() {
     assert!(why.contains("below 20 ticks") && why.contains(&format!("{tick} ms")), "{why}");
     assert_eq!((trace.mrays_per_s, trace.times.samples_ms.len()), (0.0, 3));
     assert_eq!(came.interleaved_set.as_ref().unwrap().clock_ticks, Some(by_steps.ticks));
-    let Outcome::Measured(Built { build, .. }) = &came.built else { panic!("not built") };
+    let Ok(Built { build, .. }) = &came.built else { panic!("not built") };
     assert!(build.times.invalid.is_some(), "builds are too short, too");
     // Of clocks that do not move nothing is known; of long times all is well.
     let of = |median_ms: f64, host_ms: Option<f64>| {
@@ -220,13 +220,13 @@ fn primary_rays_start_at_the_eye() {
 #[test]
 fn structures_must_be_sound() {
     let honest = interleaved_set(Box::new(Fake(Manner::Honest)), None);
-    let Outcome::Measured(Built { structure_statistics, .. }) = honest.built else { panic!("not built") };
+    let Ok(Built { structure_statistics, .. }) = honest.built else { panic!("not built") };
     assert_eq!(structure_statistics.into_iter().collect::<Vec<_>>(), [("nodes".to_owned(), 1.0)]);
     for (manner, part) in [(Manner::Unsound, "where it should be"), (Manner::Numberless, "cost is NaN")] {
         let came = interleaved_set(Box::new(Fake(manner)), None);
         assert!(came.failure().contains(part) && came.trace().is_none(), "{}", came.failure());
-        let Outcome::Out(refusal) = came.built else { panic!("it was not taken out") };
-        assert!(!refusal.for_room && matches!(came.traced, Outcome::Absent));
+        let Err(refusal) = came.built else { panic!("it was not taken out") };
+        assert!(!refusal.for_room && came.traced.is_err_and(|absent| absent == refusal));
     }
 }
 
@@ -238,16 +238,16 @@ fn unserved_rays_take_nobody_out() {
     let options = MeasureOptions { sampling: SampleSchedule::rounds(2), timed: true, ..MeasureOptions::untimed() };
     let (scene, viewpoint) = ("fake".to_owned(), "given".to_owned());
     let setting = Setting { scene, viewpoint, resident_batch: 0, kernels: None, turn: 0 };
-    let mut interleaved_set = InterleavedSet::new(&session, None, options, &quiet, setting);
+    let mut interleaved_set = InterleavedSet::new(&session, options, &quiet, setting);
     let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
     for manner in [Manner::Unserving, Manner::Honest] {
         let parameters = Parameters::preset(&[], Preset::Published);
         interleaved_set.enter(TracerConfig::ready(description.clone(), parameters, Box::new(Fake(manner))), None, None);
     }
-    assert!(interleaved_set.build().unwrap().outcomes.iter().all(|built| matches!(built, Outcome::Measured(_))));
+    assert!(interleaved_set.build().unwrap().outcomes.iter().all(Result::is_ok));
     for _ in 0..2 {
         let outcomes = interleaved_set.trace(&session.rays[0]).unwrap().outcomes;
-        let [.., Outcome::Unserved(refusal), Outcome::Measured(_)] = &outcomes[..] else { panic!("not as they serve") };
+        let [.., Err(refusal), Ok(_)] = &outcomes[..] else { panic!("not as they serve") };
         assert!(refusal.unserved && !refusal.for_room && refusal.reason.contains("rays of any kind"), "{refusal:?}");
     }
 }
@@ -346,7 +346,7 @@ impl Structure for HiddenStructure {
 fn unmarked_work_is_in_whole_times() {
     let times = |tracer: Hidden| {
         let came = raced_by(session(), None, worked, 12, Box::new(tracer), None);
-        let Outcome::Measured(Built { build, .. }) = came.built else { panic!("not built") };
+        let Ok(Built { build, .. }) = came.built else { panic!("not built") };
         let samples = |times: &Option<Box<Times>>| times.clone().unwrap();
         (build.times.clone(), samples(&build.first), samples(&build.steady))
     };
@@ -365,7 +365,7 @@ fn unmarked_work_is_in_whole_times() {
         );
     }
     let came = raced_by(session(), None, worked, 2, Box::new(Fake(Manner::Honest)), None);
-    let Outcome::Measured(Built { build, .. }) = came.built else { panic!("not built") };
+    let Ok(Built { build, .. }) = came.built else { panic!("not built") };
     assert_eq!((build.first().samples_ms.clone(), build.steady().median_ms), (vec![0.0; 2], 0.0));
     // What is remembered shows: a first build is then not what it was.
     let (_, first, _) = times(Hidden { remembers: true, ..Hidden::default() });
@@ -380,7 +380,7 @@ fn untimed_builds_are_not_repeated() {
     let setting =
         Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), resident_batch: 0, kernels: None, turn: 0 };
     let quiet = Progress::new(true);
-    let mut interleaved_set = InterleavedSet::new(&session, None, MeasureOptions::untimed(), &quiet, setting);
+    let mut interleaved_set = InterleavedSet::new(&session, MeasureOptions::untimed(), &quiet, setting);
     let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
     interleaved_set.enter(
@@ -388,7 +388,7 @@ fn untimed_builds_are_not_repeated() {
         None,
         None,
     );
-    let Some(Outcome::Measured(built)) = interleaved_set.build().unwrap().outcomes.pop() else { panic!("not built") };
+    let Some(Ok(built)) = interleaved_set.build().unwrap().outcomes.pop() else { panic!("not built") };
     assert!(built.build.first.is_none() && built.build.steady.is_none());
     assert_eq!(WORKED.get() - before, Duration::from_millis(1103));
 }

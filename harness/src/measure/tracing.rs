@@ -5,7 +5,7 @@ use tracebench_api::{Hit, HitBuffer, Query, Timing};
 use super::RunError;
 use super::controls::checked;
 use super::doubled_work::{DoubledWork, invalid_reason};
-use super::interleaved_set::{InterleavedSet, Outcome, Participant};
+use super::interleaved_set::{InterleavedSet, Participant};
 use super::records;
 use super::rounds::Rounds;
 use super::session::PreparedRays;
@@ -19,7 +19,8 @@ const ATTEMPTS: usize = 2;
 
 /// What the interleaved set of a ray set gave.
 pub(crate) struct Answered {
-    pub outcomes: Vec<Outcome<TraceRecord>>,
+    /// By participant, or why it was taken out or does not serve these rays.
+    pub outcomes: Vec<Result<TraceRecord, Refusal>>,
     /// Every participant's answers.
     pub told: Vec<Option<Observations>>,
     /// What a control scored wrongly.
@@ -42,7 +43,6 @@ impl InterleavedSet<'_> {
     /// the interleaved set is run once more; where it fails again its times are invalid.
     pub fn trace(&mut self, rays: &PreparedRays) -> Result<Answered, RunError> {
         self.participants.iter_mut().for_each(|participant| participant.unserved = None);
-        let was_in: Vec<bool> = self.participants.iter().map(|participant| participant.out.is_none()).collect();
         let mut failed: Option<String> = None;
         let Sampled { buffers, timings, believed, interleaved_set } = loop {
             let attempt = usize::from(failed.is_some());
@@ -65,30 +65,26 @@ impl InterleavedSet<'_> {
         let mut answered = Answered { outcomes: Vec::new(), told: Vec::new(), invalid: None, interleaved_set };
         for (participant, (buffer, timings)) in buffers.into_iter().zip(timings).enumerate() {
             bar.inc(1);
-            let judged = buffer
-                .and_then(|buffer| self.judge(participant, rays, &buffer, &timings, believed).transpose())
-                .transpose()?;
-            let Participant { out, unserved, .. } = &self.participants[participant];
-            let outcome = match (judged, out.as_ref().filter(|_| was_in[participant])) {
-                (Some((mut record, told, invalid)), _) => {
-                    let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
-                    record.doubt_times(failed.clone().or(too_coarse));
-                    let first = self.first_of_tracer(participant, &answered.told);
-                    let tolerance = |t| match rays.set.query {
-                        Query::Closest => tight_tolerance(t, self.session.geometry().diagonal()),
-                        Query::Any => f64::INFINITY,
-                    };
-                    record.same_as_first = first.map(|first| same_answers(first, &told.hits, tolerance));
-                    answered.told.push(Some(told));
-                    answered.invalid = answered.invalid.or(invalid);
-                    answered.outcomes.push(Outcome::Measured(record));
-                    continue;
-                }
-                (None, Some(refusal)) => Outcome::Out(refusal.clone()),
-                (None, None) => unserved.clone().map_or(Outcome::Absent, Outcome::Unserved),
+            let judged = match buffer {
+                Some(buffer) => self.judge(participant, rays, &buffer, &timings, believed)?,
+                None => None,
             };
-            answered.told.push(None);
-            answered.outcomes.push(outcome);
+            let Some((mut record, told, invalid)) = judged else {
+                answered.told.push(None);
+                answered.outcomes.push(Err(self.participants[participant].refusal()));
+                continue;
+            };
+            let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
+            record.doubt_times(failed.clone().or(too_coarse));
+            let tolerance = |t| match rays.set.query {
+                Query::Closest => tight_tolerance(t, self.session.geometry().diagonal()),
+                Query::Any => f64::INFINITY,
+            };
+            let first = self.first_of_tracer(participant, &answered.told);
+            record.same_as_first = first.map(|first| same_answers(first, &told.hits, tolerance));
+            answered.told.push(Some(told));
+            answered.invalid = answered.invalid.or(invalid);
+            answered.outcomes.push(Ok(record));
         }
         Ok(answered)
     }
@@ -113,10 +109,9 @@ impl InterleavedSet<'_> {
         }
         let mut doubles = if self.options.timed { self.doubles(rays) } else { Vec::new() };
         let mut timings: Vec<Vec<Timing>> = vec![Vec::new(); count];
-        let seed = self.order_seed(rays.set.name, attempt);
-        let sampling = self.options.timed.then_some(self.options.sampling);
-        let slots: Vec<usize> = self.configs().collect();
-        let mut rounds = self.rounds(seed, count + doubles.len(), slots.iter().copied(), sampling);
+        let is_tracer = |participant: &&Participant| participant.control.is_none() && participant.out.is_none();
+        let slots = self.participants.iter().filter(is_tracer).map(|participant| participant.slot);
+        let mut rounds = self.rounds((rays.set.name, attempt), count + doubles.len(), slots, self.sampling());
         let name = format!("trace {}", rays.set.name);
         let bar = self.progress.bar(&name, (rounds.least() * (count + doubles.len())) as u64);
         loop {
@@ -144,14 +139,13 @@ impl InterleavedSet<'_> {
         bar.finish_and_clear();
         let timed_samples = timings.iter().chain(doubles.iter().map(|double| &double.timings));
         let believed = records::are_believed(timed_samples.map(Vec::as_slice));
-        let interleaved_set = self.traced(rays, seed, &rounds, &doubles, &timings, believed);
+        let interleaved_set = self.traced(rays, &rounds, &doubles, &timings, believed);
         Ok(Sampled { buffers, timings, believed, interleaved_set })
     }
 
     fn traced(
         &self,
         rays: &PreparedRays,
-        seed: u64,
         rounds: &Rounds<'_>,
         doubles: &[DoubledWork],
         timings: &[Vec<Timing>],
@@ -159,7 +153,7 @@ impl InterleavedSet<'_> {
     ) -> Option<InterleavedSetRecord> {
         let labels = self.participants.iter().map(Participant::label);
         let doubled = doubles.iter().map(|double| format!("{} twice", self.participants[double.participant].label()));
-        let mut interleaved_set = self.record(rays.set.name, seed, rounds, labels.chain(doubled).collect())?;
+        let mut interleaved_set = self.setting.record(rays.set.name, rounds, labels.chain(doubled).collect())?;
         let told = |double: &DoubledWork| {
             double.record(self.participants[double.participant].label(), &timings[double.participant], believed)
         };
@@ -193,7 +187,7 @@ impl InterleavedSet<'_> {
         let (mut judgement, surfaces) = match judged {
             Ok(judged) => judged,
             Err(error) if self.options.lenient => {
-                self.take_out(participant, Refusal::of_session(&error));
+                self.take_out(participant, Refusal::because(error.to_string()));
                 return Ok(None);
             }
             Err(error) => return Err(error.into()),

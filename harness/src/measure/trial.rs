@@ -1,11 +1,14 @@
 //! Interleaved sets of a configuration against itself: beside one that is the same, and one that does more of the same work.
 
+use itertools::Itertools as _;
+
 use super::controls::Control;
-use super::interleaved_set::{InterleavedSet, Outcome, Setting};
+use super::interleaved_set::{InterleavedSet, Setting};
 use super::run::{Context, placed};
-use super::workload::{MeasureOptions, Request};
+use super::tracing::Answered;
+use super::workload::{MeasureOptions, PreparedWorkload};
 use super::{RunError, load, records};
-use crate::plan::Plan;
+use crate::plan::{Plan, TracerRequest};
 use crate::results::InterleavedSetRecord;
 
 /// One interleaved set.
@@ -17,8 +20,8 @@ pub(crate) struct Trial {
     pub interleaved_set: InterleavedSetRecord,
 }
 
-/// Interleaved sets the plan's first tracer on its first ray set in its first scene so many times against itself: `repeats` says how often
-/// each one who takes part traces in a sample.
+/// Measures the plan's first tracer on its first ray set in its first scene in so many interleaved sets against itself: `repeats` says how
+/// often each one who takes part traces in a sample.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
@@ -28,25 +31,16 @@ pub(crate) fn against_itself(
     interleaved_sets: usize,
     context: &Context<'_>,
 ) -> Result<Vec<Trial>, RunError> {
-    let nothing = |what: &str| RunError::Nothing(what.to_owned());
-    let request = plan.tracers.first().map(Request::of).ok_or_else(|| nothing("no tracer was asked for"))?;
-    let scene = load(plan, context.progress)?.into_iter().next().ok_or_else(|| nothing("no scene was asked for"))?;
-    let placed = placed(plan, scene, context)?;
+    let (request, placed) = first(plan, context)?;
     let rays = placed.session.rays.first().ok_or_else(|| nothing("the ray set is empty here"))?;
-    let setting = Setting {
-        scene: placed.scene.name.clone(),
-        viewpoint: placed.viewpoint.name.clone(),
-        resident_batch: 0,
-        kernels: Some(context.kernels()?),
-        turn: 0,
-    };
+    let (scene, viewpoint) = (placed.scene.name.clone(), placed.viewpoint.name.clone());
+    let setting = Setting { scene, viewpoint, resident_batch: 0, kernels: Some(context.kernels()?), turn: 0 };
     let mut interleaved_set =
-        InterleavedSet::new(&placed.session, None, MeasureOptions::timed(plan), context.progress, setting);
-    let created = context.tracer_cache.borrow_mut().config(&request.tracer, context.device);
-    let tracer = request.tracer.name().to_owned();
-    interleaved_set.enter(created.map_err(|error| RunError::Tracer(tracer.clone(), error))?, Some(&request), None);
+        InterleavedSet::new(&placed.session, MeasureOptions::timed(plan), context.progress, setting);
+    let failed = |error| RunError::Tracer(request.name().to_owned(), error);
+    interleaved_set.enter(context.config(request).map_err(failed)?, Some(request), None);
     for _ in repeats.iter().skip(1) {
-        interleaved_set.join(Some(&request.tracer), None);
+        interleaved_set.join(Some(request), None);
     }
     for (participant, repeats) in interleaved_set.participants.iter_mut().skip(Control::ALL.len()).zip(repeats) {
         participant.repeats = *repeats;
@@ -55,28 +49,15 @@ pub(crate) fn against_itself(
     let mut trials = Vec::new();
     for turn in 0..interleaved_sets {
         interleaved_set.setting.turn = turn;
-        let answered = interleaved_set.trace(rays)?;
-        if let Some(what) = answered.invalid {
+        let Answered { outcomes, invalid, interleaved_set: record, .. } = interleaved_set.trace(rays)?;
+        if let Some(what) = invalid {
             return Err(RunError::Control(what));
         }
-        let mut traces = Vec::new();
-        for outcome in answered.outcomes.into_iter().skip(Control::ALL.len()) {
-            match outcome {
-                Outcome::Measured(trace) => traces.push(trace),
-                Outcome::Out(refusal) | Outcome::Unserved(refusal) => {
-                    return Err(RunError::Nothing(format!("{tracer}: {}", refusal.reason)));
-                }
-                Outcome::Absent => return Err(nothing("the tracer was taken out")),
-            }
-        }
-        let (Some(first), Some(record)) = (traces.first(), answered.interleaved_set) else {
-            return Err(nothing("nothing was timed"));
-        };
-        context.progress.say(&format!(
-            "  interleaved set {} of {interleaved_sets}: {} rounds",
-            turn + 1,
-            record.orders.len()
-        ));
+        let traces = outcomes.into_iter().skip(Control::ALL.len()).collect::<Result<Vec<_>, _>>();
+        let traces = traces.map_err(|refusal| nothing(&format!("{}: {}", request.name(), refusal.reason)))?;
+        let (Some(first), Some(record)) = (traces.first(), record) else { return Err(nothing("nothing was timed")) };
+        let rounds = record.orders.len();
+        context.progress.say(&format!("  interleaved set {} of {interleaved_sets}: {rounds} rounds", turn + 1));
         trials.push(Trial {
             invalid: first.times.invalid.clone(),
             samples_ms: traces.iter().map(|trace| trace.times.samples_ms.clone()).collect(),
@@ -86,28 +67,32 @@ pub(crate) fn against_itself(
     Ok(trials)
 }
 
+/// A plan's first tracer, with its first scene ready to be measured.
+fn first<'p>(plan: &'p Plan, context: &Context<'_>) -> Result<(&'p TracerRequest, PreparedWorkload), RunError> {
+    let request = plan.tracers.first().ok_or_else(|| nothing("no tracer was asked for"))?;
+    let scene = load(plan, context.progress)?.into_iter().next().ok_or_else(|| nothing("no scene was asked for"))?;
+    Ok((request, placed(plan, scene, context)?))
+}
+
+fn nothing(what: &str) -> RunError {
+    RunError::Nothing(what.to_owned())
+}
+
 /// The plan's first tracer on rays of so many seeds in turn: in every round fresh ones, which were not traced for as many rounds as there
 /// are seeds, then at once the same again. Times of both by round, milliseconds.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub(crate) fn fresh_and_repeated(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<[Vec<f64>; 2], RunError> {
-    let nothing = |what: &str| RunError::Nothing(what.to_owned());
-    let request = plan.tracers.first().ok_or_else(|| nothing("no tracer was asked for"))?;
-    let mut sets = Vec::new();
-    for seed in 0..seeds.max(1) {
-        let plan = Plan { seed: plan.seed + seed, ..plan.clone() };
-        let scene =
-            load(&plan, context.progress)?.into_iter().next().ok_or_else(|| nothing("no scene was asked for"))?;
-        sets.push(placed(&plan, scene, context)?.session);
-    }
-    let hashes: Vec<&str> = sets.iter().flat_map(|session| &session.rays).map(|rays| rays.sha256.as_str()).collect();
-    if hashes.len() != sets.len() || hashes.iter().enumerate().any(|(place, hash)| hashes[..place].contains(hash)) {
+    let of_seed = |seed: u64| Ok(first(&Plan { seed: plan.seed + seed, ..plan.clone() }, context)?.1.session);
+    let sets = (0..seeds.max(1)).map(of_seed).collect::<Result<Vec<_>, RunError>>()?;
+    let hashes = sets.iter().flat_map(|session| &session.rays).map(|rays| rays.sha256.as_str());
+    if hashes.clone().count() != sets.len() || !hashes.clone().all_unique() {
         return Err(nothing(
             "the ray set is empty here, or has nothing random, so that no seed makes other rays of it",
         ));
     }
-    let mut config = context.tracer_cache.borrow_mut().config(request, context.device)?;
+    let mut config = context.config(&plan.tracers[0])?;
     sets[0].sample_build(&mut config)?;
     let rounds = plan.preset.sampling.min_rounds as usize;
     let mut buffers =

@@ -2,38 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tracebench_api::{Hit, Update};
-use tracebench_scenes::Scene;
+use tracebench_api::Hit;
 
 use super::RunError;
 use super::session::{PreparedRays, SamplingModel, Session};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{InterleavedSetRecord, Row, SampleSchedule, SceneRecord, Skipped, ViewpointRecord};
-
-/// A configuration that is asked for.
-pub(crate) struct Request {
-    /// The tracer as it runs.
-    pub tracer: TracerRequest,
-    /// How it follows the place's film, if it does.
-    pub follows: Option<Update>,
-}
-
-impl Request {
-    /// A tracer that builds where it traces.
-    pub fn of(tracer: &TracerRequest) -> Self {
-        Self { tracer: tracer.clone(), follows: None }
-    }
-
-    /// Whether one structure serves both: they differ in parameters of the trace alone.
-    pub fn shares_with(&self, other: &Self) -> bool {
-        self.tracer.name() == other.tracer.name()
-            && self.tracer.resolution == other.tracer.resolution
-            && self.follows == other.follows
-            && self.tracer.build_parameters().eq(other.tracer.build_parameters())
-    }
-}
 
 /// How much is done for every configuration.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +23,8 @@ pub(crate) struct MeasureOptions {
     pub timed: bool,
     /// Whether builds are timed where traces are: else everything is built once.
     pub builds_timed: bool,
+    /// Whether what is timed is not builds but refits to vertices that stand still: what a refit does is the same however far they moved.
+    pub refitted: bool,
     /// Whether structures are read back and checked.
     pub validated: bool,
     /// Whether traces are repeated by the counting variant.
@@ -62,39 +41,22 @@ impl MeasureOptions {
 
     /// Everything once.
     pub const fn untimed() -> Self {
-        let sampling = SampleSchedule::rounds(0);
-        Self { sampling, seed: 0, timed: false, builds_timed: true, validated: true, counted: true, lenient: false }
-    }
-}
-
-/// The frames of an animation; rays are traced at the last.
-pub(crate) struct AnimationFrames {
-    /// Vertices by frame.
-    pub positions: Vec<Vec<[f32; 3]>>,
-    pub triangles: Vec<[u32; 3]>,
-    pub materials: Vec<u32>,
-    /// Counted passes over them.
-    pub passes: u32,
-}
-
-impl AnimationFrames {
-    /// Frames of a scene.
-    pub fn new(scene: &Scene, positions: Vec<Vec<[f32; 3]>>, passes: u32) -> Self {
-        let (triangles, materials) = (scene.mesh.triangles.clone(), scene.mesh.triangle_materials.clone());
-        Self { positions, triangles, materials, passes }
+        let (sampling, refitted) = (SampleSchedule::rounds(0), false);
+        let (builds_timed, validated, counted) = (true, true, true);
+        Self { sampling, seed: 0, timed: false, builds_timed, refitted, validated, counted, lenient: false }
     }
 }
 
 /// A place that is ready to be measured.
-pub(crate) struct PreparedWorkload {
+pub struct PreparedWorkload {
+    /// The scene.
     pub scene: SceneRecord,
+    /// The viewpoint.
     pub viewpoint: ViewpointRecord,
     /// The difficulty level of the case that it is.
     pub difficulty_level: Option<f64>,
+    /// Its rays and truth.
     pub session: Session,
-    pub film: Option<AnimationFrames>,
-    /// What the study wants to know of it.
-    pub told: Value,
 }
 
 /// Answers to a ray set.
@@ -116,7 +78,7 @@ pub(crate) struct Workload<'a> {
     /// Loads it, if it must be.
     pub prepare: &'a dyn Fn() -> Result<PreparedWorkload, RunError>,
     /// The configurations.
-    pub requests: &'a [Request],
+    pub requests: &'a [TracerRequest],
     pub options: MeasureOptions,
     pub hook: Option<Hook<'a>>,
 }
@@ -150,15 +112,25 @@ pub(crate) struct Measured {
     pub interleaved_sets: Vec<InterleavedSetRecord>,
     /// Ray sets that were not made.
     pub skipped: Vec<Skipped>,
-    /// What the study wanted to know of the place.
-    pub told: Value,
-    /// What it wanted to know of every ray set.
+    /// What the study wanted to know of every ray set.
     pub hooked: Vec<Value>,
     /// What a control did wrong, where that is data.
     pub invalid: Option<String>,
 }
 
+/// What a [`Hook`] has found.
+pub(crate) fn told(found: &impl Serialize) -> Result<Value, RunError> {
+    serde_json::to_value(found).map_err(|error| RunError::Nothing(error.to_string()))
+}
+
 impl Measured {
+    /// What the study's [`Hook`] found, of the ray sets of which it did.
+    pub fn take_hooked<T: DeserializeOwned>(&mut self) -> Result<Vec<T>, RunError> {
+        let hooked = std::mem::take(&mut self.hooked).into_iter().filter(|told| !told.is_null());
+        let read = |told| serde_json::from_value(told).map_err(|error| RunError::Nothing(error.to_string()));
+        hooked.map(read).collect()
+    }
+
     /// With what was said about ray sets otherwise than of the run as a whole.
     #[must_use]
     pub fn saying(mut self, ray_parameters: &BTreeMap<String, Value>) -> Self {

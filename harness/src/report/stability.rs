@@ -102,7 +102,7 @@ fn section(CaseMatrix { case, cells }: &CaseMatrix) -> Document {
 
 fn figures(cell: &Cell, place: usize) -> Option<String> {
     let measured = cell.measured.get(place)?;
-    let Some(wrong) = measured.wrong else { return measured.error.clone() };
+    let Some(wrong) = measured.wrong else { return measured.no_answer.as_ref().map(|why| why.error.clone()) };
     let mark = if measured.as_expected == Some(false) && cell.verdict != Verdict::Unstated { " **!**" } else { "" };
     Some(format!("{}, {}{mark}", percent(wrong.tight), percent(wrong.footprint)))
 }

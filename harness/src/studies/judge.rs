@@ -28,7 +28,6 @@ pub(crate) fn execute(
     context: &Context<'_>,
 ) -> Result<Record, RunError> {
     let SavedRays { manifest, rays } = set;
-    let failed = |error: serde_json::Error| RunError::Nothing(error.to_string());
     let none = || ViewpointRecord { name: "none".to_owned(), ..ViewpointRecord::default() };
     let (eye, viewpoint) = (manifest.eye(), manifest.viewpoint.unwrap_or_else(none));
     let scene = SceneRecord { diagonal: truth.diagonal(), ..manifest.scene };
@@ -41,8 +40,7 @@ pub(crate) fn execute(
     let session = Cell::new(Some(session.keeping_wrong_rays(wrong_rays)));
     let prepare = || {
         let session = session.take().ok_or_else(|| RunError::Nothing("rays were prepared twice".to_owned()))?;
-        let (scene, viewpoint, told) = (scene.clone(), viewpoint.clone(), serde_json::Value::Null);
-        Ok(PreparedWorkload { scene, viewpoint, difficulty_level: None, session, film: None, told })
+        Ok(PreparedWorkload { scene: scene.clone(), viewpoint: viewpoint.clone(), difficulty_level: None, session })
     };
     let hook = |session: &Session, rays: &PreparedRays, _: &[Option<Observations>]| {
         let judge = Judge { names_primitives: told.names_triangles, ..session.judge_of(rays, &[]) };
@@ -50,12 +48,12 @@ pub(crate) fn execute(
         let times = records::times(&[], true);
         let trace = records::trace_record(rays, times, &told.hits, &[], Vec::new(), TraceTo::Hit, (judgement, None));
         let self_reported = told.self_reported.clone();
-        serde_json::to_value(TraceRecord { self_reported, ..trace }).map_err(failed)
+        measure::told(&TraceRecord { self_reported, ..trace })
     };
     let options = MeasureOptions::untimed();
     let place = Workload { index: 0, scene_sha256: None, prepare: &prepare, requests: &[], options, hook: Some(&hook) };
     let mut found = measure::measure(&place, context)?;
-    let trace = serde_json::from_value(found.hooked.pop().unwrap_or_default()).map_err(failed)?;
+    let traces = found.take_hooked()?;
     let oracle = found.controls.first().cloned().ok_or_else(|| RunError::Nothing("no control was there".to_owned()))?;
     let (name, preset, residency) = (name.to_owned(), "published".to_owned(), "host".to_owned());
     let tracer = TracerRecord { name, preset, parameters: BTreeMap::new(), changed: Vec::new(), residency };
@@ -63,6 +61,6 @@ pub(crate) fn execute(
     let (seed, ray_parameters) = (manifest.seed, manifest.ray_parameters);
     let mut record = Record { seed, ray_parameters, judged, ..measure::empty([], context) };
     measure::add(&mut record, found);
-    record.rows.push(Row { tracer, fingerprint: None, traces: vec![trace], ..oracle });
+    record.rows.push(Row { tracer, fingerprint: None, traces, ..oracle });
     Ok(record)
 }

@@ -52,15 +52,15 @@ const VERBS: &[(&str, Verb)] = &[
     ("sweep", |tracers, context| {
         let sweep = |request: &TracerRequest| {
             let plan = plan("candy", std::slice::from_ref(request));
-            Sweep::new(&plan, vec![axis(request)], false).unwrap().execute(false, context).unwrap()
+            Sweep::new(&plan, vec![axis(request)], false).unwrap().execute(context).unwrap()
         };
         tracers.iter().map(sweep).collect()
     }),
     ("pareto", |tracers, context| {
         let extent = Extent { max_points: 2, rays_per_pixel: vec![1.0] };
-        vec![Pareto::new(&plan("candy", tracers), &extent).unwrap().execute(false, context).unwrap()]
+        vec![Pareto::new(&plan("candy", tracers), &extent).unwrap().execute(context).unwrap()]
     }),
-    ("need", |tracers, context| vec![need::execute(&plan("candy", tracers), false, context).unwrap()]),
+    ("need", |tracers, context| vec![need::execute(&plan("candy", tracers), context).unwrap()]),
     ("tune", |tracers, context| {
         let tune = |request: &TracerRequest| {
             Tune::new(&plan("candy", &[]), request, axis(request), Rule::Tight).unwrap().execute(context).unwrap()

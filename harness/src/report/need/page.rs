@@ -60,7 +60,7 @@ fn needs(shown: &Shown<'_>) -> Table {
         .column("needed in time (MiB) ↓", |curve| bytes(curve.needed(true)))
         .column("by", |curve| by(curve.needed(true)))
         .column("how far each may shrink", |curve| {
-            let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(&axis.need())));
+            let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(&axis.need(false))));
             let far: Vec<String> = far.collect();
             if far.is_empty() { "nothing shrinks".to_owned() } else { far.join("; ") }
         });
@@ -113,8 +113,8 @@ pub(super) fn structures<'a>(curve: &'a Curve<'a>) -> impl Iterator<Item = Table
 pub(super) fn of_steps<'a>(sheet: Sheet<'a, TableRow<'a>>) -> Sheet<'a, TableRow<'a>> {
     let changed = |of: fn(ChangedRays) -> u64| move |row: &TableRow<'a>| row.step.changed.map(of);
     let lost = |row: &TableRow<'a>| row.step.lost().map(|(value, interval)| Cell::Percent(value, interval));
-    let enough = |row: &TableRow<'a>| row.step.changed.map(|_| row.step.is_enough());
-    let enough_in_time = |row: &TableRow<'a>| row.step.changed.map(|_| row.step.is_enough_in_time());
+    let enough = |row: &TableRow<'a>| row.step.changed.map(|_| row.step.is_enough(false));
+    let enough_in_time = |row: &TableRow<'a>| row.step.changed.map(|_| row.step.is_enough(true));
     sheet
         .csv_column("rule", |row| row.curve.section.rule.name())
         .json("shrunk_json", |row| &row.step.point.shrunk)

@@ -18,7 +18,7 @@ use crate::exchange::{self, ExchangeError, Manifest};
 use crate::files::OutputFolder;
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, MeasureOptions, Measured, Observations, Request, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, Observations, RunError, records};
 use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
 use crate::rays::RaySet;
 use crate::render::painted::Canvas;
@@ -91,11 +91,11 @@ pub fn execute(plan: &Plan, options: &AttackOptions, context: &Context<'_>) -> R
     for (number, source) in plan.scenes.iter().enumerate().filter(|(number, _)| context.takes(*number)) {
         let poses = Poses::new(plan, source, context)?;
         let first = number * per_scene;
-        let requests: Vec<Request> = plan.tracers.iter().map(request).collect();
-        let scene = (poses.scene(&poses::Candidate::default())?, None);
+        let requests: Vec<TracerRequest> = plan.tracers.iter().map(request).collect();
+        let scene = poses.scene(&poses::Candidate::default())?;
         let own = measure::measure_scene(first, &fresh(plan), scene, &requests, OPTIONS, None, context)?;
         attack.viewpoints.push([source.name().to_owned(), own.viewpoint.name.clone()]);
-        add(&mut record, own, &plan.tracers);
+        measure::add_or_skip(&mut record, own, &requests);
         for (place, (tracer, set)) in plan.tracers.iter().cartesian_product(&plan.ray_sets).enumerate() {
             let label = records::request_record(tracer).label();
             let search = Search { plan, options, context, poses: &poses, tracer, set, label: &label };
@@ -119,20 +119,14 @@ pub fn execute(plan: &Plan, options: &AttackOptions, context: &Context<'_>) -> R
 }
 
 /// Who cannot answer from one pose is skipped there.
-fn request(tracer: &TracerRequest) -> Request {
-    Request::of(&TracerRequest { required: false, ..tracer.clone() })
+fn request(tracer: &TracerRequest) -> TracerRequest {
+    TracerRequest { required: false, ..tracer.clone() }
 }
 
 /// The plan with more rays, of another seed than that of the trials.
 fn fresh(plan: &Plan) -> Plan {
     let ray_image = plan.preset.ray_image.map(|edge| edge * FINER);
     Plan { preset: RunPreset { ray_image, ..plan.preset }, seed: plan.seed.wrapping_add(1), ..plan.clone() }
-}
-
-fn add(record: &mut Record, found: Measured, tracers: &[TracerRequest]) {
-    for (request, refused) in measure::add(record, found) {
-        measure::refuse(record, &records::request_record(&tracers[request]).label(), None, refused);
-    }
 }
 
 /// One search.
@@ -229,13 +223,12 @@ impl Search<'_> {
             let shrinker = Shrinker { session, set: *self.set, rule, config, mesh: &mesh, progress };
             let small = if is_worst { shrinker.shrink(rays, told)? } else { None };
             let shrunk = small.map(|small| self.written(&small, session, &pose_record)).transpose()?.flatten();
-            Ok(serde_json::to_value(Looked { picture, shrunk }).unwrap_or_default())
+            measure::told(&Looked { picture, shrunk })
         };
         let request = [request(self.tracer)];
-        let found = measure::measure_scene(index, &plan, (scene, None), &request, OPTIONS, Some(&look), self.context)?;
-        let looked = found.hooked.first().cloned().map(serde_json::from_value::<Looked>);
-        let Looked { picture, shrunk } = looked.and_then(Result::ok).unwrap_or_default();
-        add(record, found, std::slice::from_ref(self.tracer));
+        let mut found = measure::measure_scene(index, &plan, scene, &request, OPTIONS, Some(&look), self.context)?;
+        let Looked { picture, shrunk } = found.take_hooked()?.pop().unwrap_or_default();
+        measure::add_or_skip(record, found, &request);
         Ok((PoseRecord { picture, ..pose_record }, shrunk))
     }
 

@@ -9,8 +9,8 @@ use tracebench_api::{Hit, TracerError};
 use super::Stopped;
 use super::poses::{Candidate, Poses};
 use crate::judge::Rule;
-use crate::measure::TracerConfig;
 use crate::measure::session::{PreparedRays, Session, SessionError};
+use crate::measure::{self, TracerConfig};
 use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::rays::RaySet;
@@ -176,7 +176,5 @@ impl Asked<'_> {
 
 /// What a structure answers.
 pub(super) fn answers(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Result<Vec<Hit>, TracerError> {
-    let mut buffer = session.hit_buffer(config, rays)?;
-    session.sample_trace(config, rays, &mut buffer, 1)?;
-    buffer.read(session.gpu())
+    measure::trace_once(config, &rays.buffer, session.trace_to(), session.gpu()).map(|traced| traced.hits)
 }

@@ -13,7 +13,7 @@ use tracebench_api::{Status, TracerError};
 
 use crate::judge::{Class, Rule};
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, MeasureOptions, Observations, Request, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, Observations, RunError, records};
 use crate::plan::{Plan, TracerRequest};
 use crate::registrations::Remedy;
 use crate::results::{Explained, ExplanationRecord, GIVEN_UP, Record, RemedyRecord, SceneExplained, UNEXPLAINED};
@@ -63,10 +63,10 @@ pub fn execute(
     let judged = request.registration.otherwise.is_none();
     // A step that changes nothing, as one of six views does where there are six, is what the one before was.
     let mut places: Vec<usize> = Vec::new();
-    let mut requests: Vec<Request> = Vec::new();
+    let mut requests: Vec<TracerRequest> = Vec::new();
     for step in &steps {
-        if requests.last().is_none_or(|last| last.tracer.parameters != step.parameters) {
-            requests.push(Request::of(step));
+        if requests.last().is_none_or(|last| last.parameters != step.parameters) {
+            requests.push(step.clone());
         }
         places.push(requests.len() - 1);
     }
@@ -90,10 +90,10 @@ pub fn execute(
                 (true, Some(last)) => session.causes(request.name(), rays, Rule::Tight, last, of),
                 _ => Ok([(UNEXPLAINED.to_owned(), of.len() as u64)].into()),
             };
-            Ok(serde_json::to_value(explained(remedies, rays, &found, judge)?).unwrap_or_default())
+            measure::told(&explained(remedies, rays, &found, judge)?)
         };
         let options = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
-        let mut found = measure::measure_scene(index, plan, (scene, None), &requests, options, Some(&hook), context)?;
+        let mut found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
         let mut left_out = BTreeMap::new();
         for (place, row) in found.rows.iter().enumerate() {
             match (row, place.checked_sub(1).and_then(|_| places.iter().position(|of| *of == place))) {
@@ -104,17 +104,13 @@ pub fn execute(
                     left_out.insert(format!("{parameter}={value}"), refusal.reason.clone());
                 }
                 (Err(refusal), _) => {
-                    let tracer = records::request_record(&requests[place].tracer).label();
+                    let tracer = records::request_record(&requests[place]).label();
                     return Err(RunError::Tracer(tracer, TracerError::Failed(refusal.reason.clone())));
                 }
             }
         }
-        let of_set = |told: Value| {
-            serde_json::from_value::<Explained>(told).map_err(|error| RunError::Nothing(error.to_string()))
-        };
         // Of rays that the tracer does not serve there is nothing to explain.
-        let explained = std::mem::take(&mut found.hooked).into_iter().filter(|told| !told.is_null());
-        let sets = explained.map(of_set).collect::<Result<Vec<_>, _>>()?;
+        let sets = found.take_hooked()?;
         scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), left_out, sets });
         measure::add(&mut record, found);
     }

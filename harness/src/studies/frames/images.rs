@@ -1,19 +1,22 @@
 //! Effects: images of a frame, wave by wave, beside the one that the truth gives by the same random numbers.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use tracebench_api::{Gpu, Hit, RayBuffer, Surface, Timing, TracerError, Viewpoint};
+use tracebench_api::{Gpu, Hit, RayBuffer, Surface, Timing, Viewpoint};
 
-use super::watch::{Asked, Verdicts};
+use super::watch::Verdicts;
 use super::{FramesRequest, PathsOf};
+use crate::judge::Judge;
 use crate::measure::controls::Control;
-use crate::measure::session::SessionError;
+use crate::measure::session::{SessionError, no_answers};
 use crate::measure::{self, Context, RunError, Traced, TracerConfig};
 use crate::plan::Plan;
 use crate::render::{self, Effect, Exposure, Image8, Paths, Stage, Wave, animation, error_picture, likeness, strip};
-use crate::results::{FramePictures, ImageRow, PICTURES_FOLDER, WaveRow};
+use crate::results::{FramePictures, ImageRow, WaveRow};
+use crate::studies::keep_picture;
 use crate::truth::{Answer, Ray64, Truth};
 
 /// On a tracer's own paths one of so many rays behind the first wave is judged: the truth of each is told anew.
@@ -51,7 +54,8 @@ pub(super) struct Reference {
     pub image: Image8,
 }
 
-/// Who answers a wave.
+/// Who answers.
+#[derive(Clone, Copy)]
 pub(super) enum Answering<'a> {
     /// A tracer.
     Tracer(&'a TracerConfig),
@@ -65,8 +69,11 @@ pub(super) enum Answering<'a> {
 pub(super) struct Rendered {
     pub waves: Vec<(WaveRow, Option<Timing>)>,
     /// None where it only warmed up.
-    pub image: Option<(ImageRow, Image8, Image8, Vec<[f32; 3]>)>,
+    pub image: Option<Beside>,
 }
+
+/// What an image is like beside the reference, itself, its error as a picture and by pixel.
+type Beside = (ImageRow, Image8, Image8, Vec<[f32; 3]>);
 
 /// A picture could not be made.
 fn failed(error: render::ImageError) -> RunError {
@@ -78,9 +85,6 @@ fn nearest(truth: &Truth, wave: &Wave) -> Vec<Answer> {
     let answer = |ray| Answer { hit: truth.closest(&Ray64::from(ray)), perturbed: None };
     wave.rays.par_iter().map(answer).collect()
 }
-
-/// What an image is like beside the reference, itself, its error as a picture and by pixel.
-type Beside = (ImageRow, Image8, Image8, Vec<[f32; 3]>);
 
 impl Studio<'_> {
     fn paths(&self, effect: Effect) -> Paths {
@@ -113,14 +117,14 @@ impl Studio<'_> {
         Ok(Reference { effect, exposure, waves, image: linear.developed(exposure), paths })
     }
 
-    /// What one answers to an effect. The inner error is the tracer's.
+    /// What one answers to an effect. [`RunError::Device`] is the tracer's.
     pub(super) fn rendered(
         &self,
         reference: &Reference,
         answering: &Answering<'_>,
         name: &str,
         counts: bool,
-    ) -> Result<Result<Rendered, TracerError>, RunError> {
+    ) -> Result<Rendered, RunError> {
         let follows = self.request.paths == PathsOf::Truth;
         let effect = reference.effect;
         let (mut paths, mut waves) = (self.paths(effect), Vec::new());
@@ -128,51 +132,28 @@ impl Studio<'_> {
             let known = reference.waves.iter().find(|known| known.wave.number == wave.number);
             // The same rays as the truth's.
             let shared = known.filter(|_| wave.number == 0 || follows);
-            let own = if shared.is_none() {
-                RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu)
-            } else {
-                RayBuffer::new(Arc::default(), wave.query, None)
-            };
-            let buffer = shared.map_or(&own, |known| &known.buffer);
-            let mut judged_by = None;
+            let mut truths = shared.map(|known| Cow::Borrowed(&known.answers[..]));
             let (answers, hits, timing) = match answering {
-                Answering::Tracer(config) => match measure::trace_once(config, buffer, wave.end, self.gpu) {
-                    Ok(Traced { timing, hits, surfaces }) => {
-                        (shading(&wave, &hits, &surfaces, name)?, hits, Some(timing))
-                    }
-                    Err(error) => return Ok(Err(error)),
-                },
-                Answering::Control(control) => {
-                    let found = nearest(self.truth, &wave);
-                    let of = shared.map_or(&found, |known| &known.answers);
+                Answering::Tracer(config) => {
+                    let own = || RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu);
+                    let buffer = shared.map_or_else(own, |known| known.buffer.clone());
+                    let Traced { timing, hits, surfaces } = measure::trace_once(config, &buffer, wave.end, self.gpu)?;
+                    (shading(&wave, &hits, &surfaces, name)?, hits, Some(timing))
+                }
+                Answering::Control(_) | Answering::Rounded => {
+                    let of = truths.get_or_insert_with(|| Cow::Owned(nearest(self.truth, &wave)));
+                    let control = if let Answering::Control(control) = answering { *control } else { Control::Oracle };
                     let (hits, surfaces) = control.answered(self.truth.geometry(), &wave.rays, of);
-                    let answers = match control {
-                        Control::Oracle => wave.answers_of_hits(self.truth, |ray| of[ray].hit),
+                    let answers = match answering {
+                        Answering::Control(Control::Oracle) => wave.answers_of_hits(self.truth, |ray| of[ray].hit),
                         _ => shading(&wave, &hits, &surfaces, name)?,
                     };
-                    judged_by = Some(of.clone());
                     (answers, hits, None)
-                }
-                Answering::Rounded => {
-                    let found = nearest(self.truth, &wave);
-                    let of = shared.map_or(&found, |known| &known.answers);
-                    let (hits, surfaces) = Control::Oracle.answered(self.truth.geometry(), &wave.rays, of);
-                    judged_by = Some(of.clone());
-                    (shading(&wave, &hits, &surfaces, name)?, hits, None)
                 }
             };
             if counts {
-                let truths = judged_by.as_deref().or(shared.map(|known| &known.answers[..]));
-                let verdicts = self.verdicts(effect, &wave, &hits, truths, name)?;
-                let row = WaveRow {
-                    name: wave.name(),
-                    rays: hits.len() as u64,
-                    trace_ms: None,
-                    judged: verdicts.judged,
-                    right: verdicts.right,
-                    answers: None,
-                };
-                waves.push((row, timing));
+                let verdicts = self.verdicts(effect, &wave, &hits, truths.as_deref(), name)?;
+                waves.push((verdicts.wave(wave.name(), hits.len()), timing));
             }
             paths.answer(&wave, &answers);
             if let Some(leader) = shared.and_then(|known| known.after.as_ref()) {
@@ -180,7 +161,7 @@ impl Studio<'_> {
             }
         }
         let image = if counts { Some(self.beside(reference, &paths)?) } else { None };
-        Ok(Ok(Rendered { waves, image }))
+        Ok(Rendered { waves, image })
     }
 
     /// What the judge says of a wave: of all rays by a truth that is known, else of one of so many.
@@ -192,25 +173,29 @@ impl Studio<'_> {
         truths: Option<&[Answer]>,
         name: &str,
     ) -> Result<Verdicts, RunError> {
-        let asked = |rays, answers| Asked {
+        let of = (name, effect.name());
+        let judge = |rays, answers| Judge {
             truth: self.truth,
-            eye: self.viewpoint.eye.as_dvec3(),
-            name: effect.name(),
-            query: wave.query,
+            eye: Some(self.viewpoint.eye.as_dvec3()),
             rays,
             answers,
+            query: wave.query,
+            samplings: &[],
+            voxels: None,
+            names_primitives: false,
+            wrong_rays_per_cause: 0,
         };
         if let Some(truths) = truths {
-            return asked(&wave.rays, truths).verdicts(name, hits);
+            return Verdicts::of(&judge(&wave.rays, truths), of, hits);
         }
         // What is no answer is none, judged or not.
-        asked(&wave.rays, &[]).are_answers(name, hits)?;
+        Judge::are_answers(wave.rays.len(), hits).map_err(|error| no_answers(name, effect.name(), error))?;
         let chosen: Vec<usize> = (0..hits.len()).filter(|ray| wave.paths[*ray].is_multiple_of(JUDGED_ONE_OF)).collect();
         let rays: Vec<_> = chosen.iter().map(|ray| wave.rays[*ray]).collect();
         let hits: Vec<_> = chosen.iter().map(|ray| hits[*ray]).collect();
         let answer = |ray| self.truth.answer_one(&Ray64::from(ray), wave.query);
         let answers: Vec<Answer> = rays.par_iter().map(answer).collect();
-        asked(&rays, &answers).verdicts(name, &hits)
+        Verdicts::of(&judge(&rays, &answers), of, &hits)
     }
 
     /// An image beside the reference.
@@ -263,11 +248,7 @@ pub(super) fn keep(
     }
     let sheet = strip(&rows).and_then(|sheet| animation(&[sheet], 1.0)).map_err(failed)?;
     let moving = animation(images, fps).map_err(failed)?;
-    let write = |png: &[u8]| -> Result<String, RunError> {
-        let name = format!("{}.png", &crate::hash::sha256_of(png)[..32]);
-        folder.write(&format!("{PICTURES_FOLDER}/{name}"), png).map_err(measure::JournalError::from)?;
-        Ok(name)
-    };
     let columns = images.len().min(SHEET_COLUMNS) as u32;
-    Ok(Some(FramePictures { sheet: write(&sheet)?, columns, animation: write(&moving)? }))
+    let (sheet, animation) = (keep_picture(&sheet, folder)?, keep_picture(&moving, folder)?);
+    Ok(Some(FramePictures { sheet, columns, animation }))
 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tracebench_api::{Query, Update};
 
-use crate::measure::{self, Context, MovingFrames, RunError, UpdatePolicy, records};
+use crate::measure::{self, Context, MovingFrames, RunError, records};
 use crate::plan::{Plan, TracerRequest};
 use crate::render::Effect;
 use crate::results::{FrameSeries, FramesRecord, InterleavedSetRecord, MovingScene, Record, Skipped};
@@ -94,26 +94,27 @@ impl FramesRequest {
                 "paths": word(self.paths), "cut": cut, "fixed_rays": fixed_rays })
     }
 
-    fn policy(&self) -> UpdatePolicy {
+    /// How structures are always brought up to date, if it is always in one way.
+    fn always(&self) -> Option<Update> {
         match self.update {
-            Updates::Auto => UpdatePolicy::Auto,
-            Updates::Rebuild => UpdatePolicy::Always(Update::Rebuild),
-            Updates::Refit => UpdatePolicy::Always(Update::Refit),
-            Updates::Reuse => UpdatePolicy::Always(Update::Reuse),
+            Updates::Auto => None,
+            Updates::Rebuild => Some(Update::Rebuild),
+            Updates::Refit => Some(Update::Refit),
+            Updates::Reuse => Some(Update::Reuse),
         }
     }
 
     /// Why a tracer cannot follow as it is asked, or cannot render an effect.
     fn unserved(&self, tracer: &TracerRequest, effect: Option<Effect>) -> Option<String> {
         let description = tracer.registration.describe();
-        match (effect, self.policy()) {
+        match (effect, self.always()) {
             (Some(effect), _) if !description.ends.contains(&effect.end()) => {
                 Some(format!("{} ends at surfaces, and the method does not trace so far", effect.name()))
             }
             (Some(effect), _) if effect.asks_any() && !description.queries.contains(&Query::Any) => {
                 Some(format!("{} asks for any hit, which the method does not answer", effect.name()))
             }
-            (None, UpdatePolicy::Always(update)) => description.serves(update).err().map(|error| error.to_string()),
+            (None, Some(update)) => description.serves(update).err().map(|error| error.to_string()),
             _ => None,
         }
     }
@@ -180,18 +181,14 @@ pub fn execute(plan: &Plan, request: &FramesRequest, context: &Context<'_>) -> R
         let name = scene.name.clone();
         let measured =
             match context.kept(&format!("{index:03}-frames"), || scene_measured(plan, request, scene, context)) {
-                Err(error @ RunError::NoOtherView(..)) => {
-                    let reason = format!("it has no camera path, and {error}");
-                    record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason });
-                    continue;
-                }
-                Err(RunError::Nothing(reason)) => {
-                    record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason });
-                    continue;
-                }
-                measured => measured?,
+                Err(error @ RunError::NoOtherView(..)) => Err(format!("it has no camera path, and {error}")),
+                Err(RunError::Nothing(reason)) => Err(reason),
+                measured => Ok(measured?),
             };
-        add(&mut record, &mut section, measured);
+        match measured {
+            Ok(measured) => add(&mut record, &mut section, measured),
+            Err(reason) => record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason }),
+        }
     }
     let is_empty = section.rows.iter().all(FrameSeries::is_control);
     record.frames = Some(section);
@@ -237,17 +234,12 @@ fn scene_measured(
     ));
     let mut film = MovingFrames { scene, times_s, poses: way.poses };
     let mut watch = Watch::new(plan, request, &film, way.said, context)?;
-    let followers = watch.followers();
-    let followed = measure::follow(&mut film, &followers, request.policy(), plan, &mut watch, context)?;
+    let followers = watch.tracers.clone();
+    let followed = measure::follow(&mut film, &followers, request.always(), plan, &mut watch, context)?;
     let (labels, scene) = (followers.iter().map(|request| records::request_record(request).label()), film.scene.name);
     for (tracer, refusal) in labels.zip(followed.refused) {
-        let skipped = |refusal: measure::Refusal| Skipped {
-            tracer: Some(tracer),
-            scene: scene.clone(),
-            rays: None,
-            reason: refusal.reason,
-        };
-        watch.skipped.extend(refusal.map(skipped));
+        let (tracer, scene) = (Some(tracer), scene.clone());
+        watch.skipped.extend(refusal.map(|of| Skipped { tracer, scene, rays: None, reason: of.reason }));
     }
     watch.finish(followed.interleaved_set)
 }

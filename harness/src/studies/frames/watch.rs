@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::DVec3;
-use tracebench_api::{Geometry, Hit, Query, Ray, Timing, TraceTo, TracerError, Viewpoint};
-use tracebench_scenes::Material;
+use tracebench_api::{Geometry, Hit, Query, Timing, TraceTo, TracerError, Viewpoint};
 
 use super::images::{self, Answering, Reference, Rendered, Studio};
 use super::points::Points;
@@ -13,8 +11,8 @@ use super::{FramesRequest, SceneMeasured};
 use crate::judge::{Judge, Rule};
 use crate::machine;
 use crate::measure::controls::{Control, checked};
-use crate::measure::session::{PreparedRays, RayRequest, Session, SessionError};
-use crate::measure::{self, Context, FrameWork, MovingFrames, RunError, Traced, Turn, Updated, records};
+use crate::measure::session::{PreparedRays, RayRequest, Session, SessionError, no_answers};
+use crate::measure::{self, Context, FrameWork, MovingFrames, RunError, Traced, Turn, records};
 use crate::plan::{Plan, TracerRequest};
 use crate::rays::RaySet;
 use crate::render::{Exposure, Image8, Stage, image_flicker, motion};
@@ -22,18 +20,7 @@ use crate::results::{
     AnswersRow, FrameRow, FrameSeries, InterleavedSetRecord, MovingScene, ROUNDED_ORACLE, Skipped, TracerRecord,
     WaveRow, WorkRow,
 };
-use crate::truth::{Answer, Truth};
-
-/// Rays that all are judged by.
-pub(super) struct Asked<'a> {
-    pub truth: &'a Truth,
-    /// Footprints are those of a camera there.
-    pub eye: DVec3,
-    pub name: &'a str,
-    pub query: Query,
-    pub rays: &'a [Ray],
-    pub answers: &'a [Answer],
-}
+use crate::truth::Truth;
 
 /// What the judge says of answers: of every ray under `footprint`, `None` of one that cannot be wrong; and how many are right by each rule.
 pub(super) struct Verdicts {
@@ -42,58 +29,40 @@ pub(super) struct Verdicts {
     pub rays: Vec<Option<bool>>,
 }
 
-impl<'a> Asked<'a> {
-    fn judge(&self) -> Judge<'a> {
-        Judge {
-            truth: self.truth,
-            eye: Some(self.eye),
-            rays: self.rays,
-            answers: self.answers,
-            query: self.query,
-            samplings: &[],
-            voxels: None,
-            names_primitives: false,
-            wrong_rays_per_cause: 0,
-        }
-    }
-
-    /// What a tracer's answers are. Answers that are none end the run: they must pass for nothing.
-    pub(super) fn verdicts(&self, tracer: &str, hits: &[Hit]) -> Result<Verdicts, RunError> {
+impl Verdicts {
+    /// Of a tracer's answers to rays of a name. Answers that are none end the run: they must pass for nothing.
+    pub(super) fn of(judge: &Judge<'_>, (tracer, rays): (&str, &str), hits: &[Hit]) -> Result<Self, RunError> {
         let classes = |rule| -> Result<Vec<Option<bool>>, RunError> {
-            let classes = self.judge().classes(rule, hits);
-            let classes =
-                classes.map_err(|error| SessionError::Judge(tracer.to_owned(), self.name.to_owned(), error))?;
+            let classes = judge.classes(rule, hits).map_err(|error| no_answers(tracer, rays, error))?;
             Ok(classes.into_iter().map(|class| class.map(|class| class.is_right())).collect())
         };
         let count = |rays: &[Option<bool>]| rays.iter().filter(|right| **right == Some(true)).count() as u64;
         let rays = classes(Rule::Footprint)?;
         let judged = rays.iter().flatten().count() as u64;
-        let right = match self.query {
+        let right = match judge.query {
             Query::Any => [count(&rays); 3],
             Query::Closest => [count(&classes(Rule::HitMiss)?), count(&classes(Rule::Tight)?), count(&rays)],
         };
-        Ok(Verdicts { judged, right, rays })
+        Ok(Self { judged, right, rays })
     }
 
-    /// That all are answers.
-    pub(super) fn are_answers(&self, tracer: &str, hits: &[Hit]) -> Result<(), RunError> {
-        let checked = Judge::are_answers(self.rays.len(), hits);
-        checked.map_err(|error| SessionError::Judge(tracer.to_owned(), self.name.to_owned(), error).into())
-    }
-
-    /// A control's answers, which must score what they must.
-    fn control(&self, control: Control) -> Result<Vec<Hit>, RunError> {
-        let hits = control.hits(self.rays, self.answers, self.truth.diagonal());
-        let name = control.description().name.to_owned();
-        let judged =
-            self.judge().judge(&hits).map_err(|error| SessionError::Judge(name, self.name.to_owned(), error))?;
-        checked(control, &judged, self.answers).map_err(RunError::Control)?;
-        Ok(hits)
+    /// The row of so many rays, of which these are or of some of which.
+    pub(super) fn wave(&self, name: String, rays: usize) -> WaveRow {
+        let Self { judged, right, .. } = *self;
+        WaveRow { name, rays: rays as u64, trace_ms: None, judged, right, answers: None }
     }
 }
 
+/// A control's answers, which must score what they must.
+fn answers_of(control: Control, judge: &Judge<'_>, rays: &str) -> Result<Vec<Hit>, RunError> {
+    let hits = control.hits(judge.rays, judge.answers, judge.truth.diagonal());
+    let judged = judge.judge(&hits).map_err(|error| no_answers(control.description().name, rays, error))?;
+    checked(control, &judged, judge.answers).map_err(RunError::Control)?;
+    Ok(hits)
+}
+
 /// The frame at hand.
-struct Here {
+pub(super) struct Here {
     number: usize,
     session: Session,
     /// Places of the points that are seen, with their rays.
@@ -122,8 +91,6 @@ struct Series {
     told: Told,
     /// Frame, work, wave and time of every trace.
     timings: Vec<(usize, String, usize, Timing)>,
-    /// By frame.
-    updates: Vec<Option<Timing>>,
     /// Works that it does not serve.
     unserved: Vec<String>,
     /// By effect the errors of the last frame, and the images with the pictures of their errors.
@@ -132,6 +99,23 @@ struct Series {
 }
 
 impl Series {
+    /// What one answered to a work; none if it does not serve it, which is noted.
+    fn served<T>(
+        &mut self,
+        work: &str,
+        answered: Result<T, RunError>,
+        skip: &mut impl FnMut(&str, String),
+    ) -> Result<Option<T>, RunError> {
+        match answered {
+            Err(RunError::Device(TracerError::Unsupported(reason))) => {
+                self.unserved.push(work.to_owned());
+                skip(work, reason);
+                Ok(None)
+            }
+            answered => answered.map(Some),
+        }
+    }
+
     /// What an effect came to in a frame, with the flicker since the last.
     fn rendered(&mut self, frame: usize, effect: &str, rendered: Rendered, motion: Option<&[Option<u32>]>) -> WorkRow {
         let Rendered { waves, image } = rendered;
@@ -160,20 +144,14 @@ pub(super) struct Watch<'a> {
     context: &'a Context<'a>,
     scene: MovingScene,
     /// Those that can follow as it is asked.
-    tracers: Vec<TracerRequest>,
+    pub(super) tracers: Vec<TracerRequest>,
     points: Points,
-    /// The eye of the first frame, from which points and fixed rays are judged.
-    first_eye: DVec3,
-    here: Option<Here>,
     /// By effect; those of the first frame.
     exposures: Vec<Exposure>,
-    /// The last frame's truth and viewpoint.
-    before: Option<Session>,
     stage: Option<Arc<Stage>>,
     /// By effect the truth's images.
     truths: BTreeMap<String, Vec<Image8>>,
-    /// None is the oracle with t in f32.
-    controls: Vec<Option<Control>>,
+    controls: Vec<Answering<'static>>,
     /// The rays of the first frame, where all frames have these.
     fixed: Vec<PreparedRays>,
     /// Controls first.
@@ -229,8 +207,8 @@ impl<'a> Watch<'a> {
             }
             unserved.push(own);
         }
-        let rounded = (!request.effects.is_empty()).then_some(None);
-        let controls: Vec<Option<Control>> = Control::ALL.into_iter().map(Some).chain(rounded).collect();
+        let rounded = (!request.effects.is_empty()).then_some(Answering::Rounded);
+        let controls: Vec<Answering<'_>> = Control::ALL.into_iter().map(Answering::Control).chain(rounded).collect();
         let of_controls = controls.iter().map(|_| Vec::new());
         let series = of_controls.chain(unserved).map(|unserved| Series { unserved, ..Series::default() }).collect();
         Ok(Self {
@@ -238,12 +216,9 @@ impl<'a> Watch<'a> {
             request,
             context,
             scene: MovingScene { path, points: points.len() as u64, ..MovingScene::default() },
-            first_eye: film.poses[0].eye.as_dvec3(),
             points,
-            here: None,
             fixed: Vec::new(),
             exposures: Vec::new(),
-            before: None,
             stage: None,
             truths: BTreeMap::new(),
             controls,
@@ -252,14 +227,19 @@ impl<'a> Watch<'a> {
             skipped,
         })
     }
+}
 
-    /// Those that follow.
-    pub(super) fn followers(&self) -> Vec<TracerRequest> {
-        self.tracers.clone()
-    }
+impl FrameWork for Watch<'_> {
+    type Frame = Here;
 
-    /// Looks at a frame: its rays and its truth.
-    fn look(&mut self, number: usize, film: &MovingFrames, geometry: &Geometry) -> Result<Here, RunError> {
+    /// Its rays and its truth.
+    fn look(
+        &mut self,
+        number: usize,
+        film: &MovingFrames,
+        geometry: &Geometry,
+        before: Option<Here>,
+    ) -> Result<Here, RunError> {
         let (plan, context, scene) = (self.plan, self.context, &film.scene);
         let gpu = context.device.as_ref().ok().cloned();
         let pose = &film.poses[number];
@@ -279,16 +259,13 @@ impl<'a> Watch<'a> {
         let (places, rays) = self.points.rays(&truth, &pixels);
         let answers = truth.answer(&rays, Query::Closest, context.cache, context.progress);
         let answers = Arc::new(answers.map_err(SessionError::from)?);
-        let points =
-            (places, PreparedRays::new(RaySet::given("points", Query::Closest), (rays, answers), None, gpu.as_deref()));
-        let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
-        let mirrors: Vec<bool> =
-            scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
+        // Points are judged from the first eye, whoever sees them now.
+        let (set, first_eye) = (RaySet::given("points", Query::Closest), Some(film.poses[0].eye.as_dvec3()));
+        let points = (places, PreparedRays::new(set, (rays, answers), first_eye, gpu.as_deref()));
         let is_rendered = !self.request.effects.is_empty();
         let has_own = !is_rendered && (number == 0 || !self.request.fixed_rays);
-        let before = self.before.take();
         let moved = before.filter(|_| is_rendered && self.request.cut != Some(number as u32));
-        let motion = moved.map(|before| {
+        let motion = moved.map(|Here { session: before, .. }| {
             let before = (before.truth(), &Viewpoint { frame: plan.preset.ray_image, ..*before.viewpoint() });
             motion(before, (&truth, &pixels), plan.preset.ray_image)
         });
@@ -298,14 +275,16 @@ impl<'a> Watch<'a> {
             seed: plan.seed,
             parameters: &plan.ray_parameters,
             path: scene.camera_path.as_ref(),
-            mirrors: &mirrors,
+            mirrors: &measure::mirrors(&scene.mesh),
         };
         let mut session = if has_own {
             Session::new(&scene.name, truth, viewpoint, request, gpu.clone(), context.cache, context.progress)?
         } else {
             Session::with(Arc::new(truth), viewpoint, gpu.clone(), Vec::new(), Vec::new())
         }
-        .tracing_to(plan.trace_to);
+        .tracing_to(plan.trace_to)
+        .keeping_wrong_rays(0);
+        session.rays.iter_mut().for_each(|rays| rays.eye = Some(viewpoint.eye.as_dvec3()));
         for skipped in session.skipped.drain(..) {
             let reason = format!("frame {number}: {}", skipped.reason);
             self.skipped.push(Skipped { reason, ..skipped });
@@ -331,13 +310,20 @@ impl<'a> Watch<'a> {
         Ok(Here { number, session, points, references, motion })
     }
 
-    fn is_fixed(&self) -> bool {
-        self.request.fixed_rays
+    fn turn(&mut self, here: &Here, turn: Turn<'_>) -> Result<(), RunError> {
+        let name = records::request_record(&self.tracers[turn.follower]).label();
+        let who = (self.controls.len() + turn.follower, name.as_str());
+        self.answered(here, who, &Answering::Tracer(turn.config), turn.row, turn.counts)
     }
 
-    /// The eye by which the rays of a frame are judged.
-    fn eye(&self, here: &Here) -> DVec3 {
-        if self.is_fixed() { self.first_eye } else { here.session.viewpoint().eye.as_dvec3() }
+    /// The controls in a frame.
+    fn end(&mut self, here: &Here) -> Result<(), RunError> {
+        for (place, control) in self.controls.clone().into_iter().enumerate() {
+            let name =
+                if let Answering::Control(control) = control { control.description().name } else { ROUNDED_ORACLE };
+            self.answered(here, (place, name), &control, FrameRow::default(), true)?;
+        }
+        Ok(())
     }
 }
 
@@ -345,18 +331,6 @@ impl<'a> Watch<'a> {
 fn studio<'s>(plan: &'s Plan, request: &'s FramesRequest, stage: &Arc<Stage>, session: &'s Session) -> Studio<'s> {
     let (truth, viewpoint, gpu) = (session.truth(), session.viewpoint(), session.gpu());
     Studio { plan, request, stage: Arc::clone(stage), truth, viewpoint, gpu }
-}
-
-/// Rays with their truth, as all are judged by them.
-fn asked<'r>(here: &'r Here, rays: &'r PreparedRays, eye: DVec3) -> Asked<'r> {
-    Asked {
-        truth: here.session.truth(),
-        eye,
-        name: rays.set.name,
-        query: rays.set.query,
-        rays: &rays.buffer.host,
-        answers: &rays.answers,
-    }
 }
 
 impl Told {
@@ -390,162 +364,76 @@ impl Told {
     }
 }
 
-/// A row of what was done to a structure.
-fn row_of(updated: &Updated) -> FrameRow {
-    FrameRow {
-        update: updated.update.to_owned(),
-        stale_by: updated.stale_by.iter().map(|name| (*name).to_owned()).collect(),
-        grown: updated.timing.as_ref().is_some_and(|timing| timing.grown),
-        sah_cost: updated.sah_cost,
-        structure_bytes: updated.structure_bytes,
-        build_peak_bytes: updated.build_peak_bytes,
-        ..FrameRow::default()
-    }
-}
-
-impl FrameWork for Watch<'_> {
-    fn begin(&mut self, frame: usize, film: &MovingFrames, geometry: &Geometry) -> Result<(), RunError> {
-        if self.here.as_ref().is_none_or(|here| here.number != frame) {
-            self.before = self.here.take().map(|here| here.session);
-            self.here = Some(self.look(frame, film, geometry)?);
-        }
-        Ok(())
-    }
-
-    fn turn(&mut self, turn: Turn<'_>) -> Result<Result<(), TracerError>, RunError> {
-        let Some(here) = self.here.take() else { return Ok(Ok(())) };
-        let done = self.traced(&here, &turn);
-        self.here = Some(here);
-        done
-    }
-
-    fn end(&mut self, _frame: usize) -> Result<(), RunError> {
-        let Some(here) = self.here.take() else { return Ok(()) };
-        let done = self.controls(&here);
-        self.here = Some(here);
-        done
-    }
-}
-
 impl Watch<'_> {
-    /// Traces and judges all that is asked of a tracer in a frame.
-    fn traced(&mut self, here: &Here, turn: &Turn<'_>) -> Result<Result<(), TracerError>, RunError> {
-        let (eye, place) = (self.eye(here), self.controls.len() + turn.follower);
-        let name = records::request_record(&self.tracers[turn.follower]).label();
-        let gpu = here.session.gpu();
-        let mut row = row_of(&turn.updated);
-        let sets = if self.is_fixed() { &self.fixed } else { &here.session.rays };
-        let series = &mut self.series[place];
-        for rays in sets {
-            if series.unserved.iter().any(|work| work == rays.set.name) {
-                continue;
-            }
-            let traced = match measure::trace_once(turn.config, &rays.buffer, self.plan.trace_to, gpu) {
-                Ok(traced) => traced,
-                Err(TracerError::Unsupported(reason)) => {
-                    series.unserved.push(rays.set.name.to_owned());
-                    let (tracer, scene) = (Some(name.clone()), self.scene.scene.name.clone());
-                    self.skipped.push(Skipped { tracer, scene, rays: Some(rays.set.name.to_owned()), reason });
-                    continue;
+    /// Lets one answer all that is asked in a frame, judges it, and keeps it where it counts.
+    fn answered(
+        &mut self,
+        here: &Here,
+        (place, name): (usize, &str),
+        answering: &Answering<'_>,
+        mut row: FrameRow,
+        counts: bool,
+    ) -> Result<(), RunError> {
+        let Self { plan, request, scene, points, stage, fixed, series, skipped, .. } = self;
+        let (series, gpu) = (&mut series[place], here.session.gpu());
+        let mut skip = |work: &str, reason: String| {
+            let (tracer, scene) = (Some(name.to_owned()), scene.scene.name.clone());
+            skipped.push(Skipped { tracer, scene, rays: Some(work.to_owned()), reason });
+        };
+        for rays in if request.fixed_rays { fixed.iter() } else { here.session.rays.iter() } {
+            let (work, judge) = (rays.set.name, here.session.judge_of(rays, &[]));
+            let (hits, counters) = match answering {
+                Answering::Tracer(config) if !series.unserved.iter().any(|unserved| unserved == work) => {
+                    let traced = measure::trace_once(config, &rays.buffer, plan.trace_to, gpu);
+                    let traced = series.served(work, traced.map_err(RunError::from), &mut skip)?;
+                    let Some(Traced { timing, hits, surfaces }) = traced.filter(|_| counts) else { continue };
+                    let counters = here.session.count(config, rays, &hits, &surfaces)?;
+                    series.timings.push((here.number, work.to_owned(), 0, timing));
+                    (hits, counters.into_iter().map(|counter| (counter.name.to_owned(), counter.total)).collect())
                 }
-                Err(error) => return Ok(Err(error)),
+                Answering::Control(control) => (answers_of(*control, &judge, work)?, BTreeMap::new()),
+                _ => continue,
             };
-            if !turn.counts {
-                continue;
-            }
-            let Traced { timing, hits, surfaces } = traced;
-            let counters = match here.session.count(turn.config, rays, &hits, &surfaces) {
-                Ok(counters) => counters.into_iter().map(|counter| (counter.name.to_owned(), counter.total)).collect(),
-                Err(error) => return Ok(Err(error)),
-            };
-            let verdicts = asked(here, rays, eye).verdicts(&name, &hits)?;
-            let mut wave = wave_of(rays, &hits, &verdicts);
-            if let Some(answers) = &mut wave.answers {
-                answers.counters = counters;
-                answers.turned = if self.request.fixed_rays { series.told.rays(rays.set.name, verdicts) } else { None };
-            }
-            series.timings.push((turn.frame, rays.set.name.to_owned(), 0, timing));
-            row.works.insert(rays.set.name.to_owned(), WorkRow { waves: vec![wave], image: None });
+            let verdicts = Verdicts::of(&judge, (name, work), &hits)?;
+            let mut wave = verdicts.wave(work.to_owned(), hits.len());
+            let turned = if request.fixed_rays { series.told.rays(work, verdicts) } else { None };
+            let (rays_sha256, hits_sha256) = (rays.sha256.clone(), crate::hash::sha256_of(&hits));
+            wave.answers = Some(AnswersRow { rays_sha256, hits_sha256, counters, turned });
+            row.works.insert(work.to_owned(), WorkRow { waves: vec![wave], image: None });
         }
-        for (effect, reference) in self.request.effects.iter().zip(&here.references) {
-            let Some(stage) = self.stage.as_ref().filter(|_| !series.unserved.iter().any(|work| work == effect.name()))
+        for (effect, reference) in request.effects.iter().zip(&here.references) {
+            let work = effect.name();
+            let Some(stage) = stage.as_ref().filter(|_| !series.unserved.iter().any(|unserved| unserved == work))
             else {
                 continue;
             };
-            let studio = studio(self.plan, self.request, stage, &here.session);
-            match studio.rendered(reference, &Answering::Tracer(turn.config), &name, turn.counts)? {
-                Ok(rendered) if turn.counts => {
-                    let work = series.rendered(turn.frame, effect.name(), rendered, here.motion.as_deref());
-                    row.works.insert(effect.name().to_owned(), work);
-                }
-                Ok(_) => {}
-                Err(TracerError::Unsupported(reason)) => {
-                    series.unserved.push(effect.name().to_owned());
-                    let (tracer, scene) = (Some(name.clone()), self.scene.scene.name.clone());
-                    self.skipped.push(Skipped { tracer, scene, rays: Some(effect.name().to_owned()), reason });
-                }
-                Err(error) => return Ok(Err(error)),
+            let rendered = studio(plan, request, stage, &here.session).rendered(reference, answering, name, counts);
+            let Some(rendered) = series.served(work, rendered, &mut skip)?.filter(|_| counts) else { continue };
+            let rendered = series.rendered(here.number, work, rendered, here.motion.as_deref());
+            if matches!(answering, Answering::Control(Control::Oracle)) && !is_perfect(&rendered) {
+                return Err(RunError::Control(format!("the oracle's image of {work} is not the truth's")));
             }
+            row.works.insert(work.to_owned(), rendered);
         }
-        if turn.counts {
-            let (places, points) = &here.points;
-            match measure::trace_once(turn.config, &points.buffer, TraceTo::Hit, gpu) {
-                Ok(traced) => {
-                    let verdicts = asked(here, points, self.first_eye).verdicts(&name, &traced.hits)?;
-                    row.turned = series.told.points(self.points.len(), places, &verdicts);
-                }
+        if !counts {
+            return Ok(());
+        }
+        let (places, seen) = &here.points;
+        let judge = here.session.judge_of(seen, &[]);
+        let hits = match answering {
+            Answering::Tracer(config) => match measure::trace_once(config, &seen.buffer, TraceTo::Hit, gpu) {
                 // Methods that refuse these rays have no flicker of answers.
-                Err(TracerError::Unsupported(_)) => {}
-                Err(error) => return Ok(Err(error)),
-            }
-            series.frames.push(row);
-            series.updates.push(turn.updated.timing.clone());
+                Err(TracerError::Unsupported(_)) => None,
+                traced => Some(traced?.hits),
+            },
+            Answering::Control(control) => Some(answers_of(*control, &judge, seen.set.name)?),
+            Answering::Rounded => None,
+        };
+        if let Some(hits) = hits {
+            let verdicts = Verdicts::of(&judge, (name, seen.set.name), &hits)?;
+            row.turned = series.told.points(points.len(), places, &verdicts);
         }
-        Ok(Ok(()))
-    }
-
-    /// The controls in a frame.
-    fn controls(&mut self, here: &Here) -> Result<(), RunError> {
-        let eye = self.eye(here);
-        let sets = if self.is_fixed() { &self.fixed } else { &here.session.rays };
-        for (control, series) in self.controls.iter().zip(&mut self.series) {
-            let name = control.map_or(ROUNDED_ORACLE, |control| control.description().name);
-            let mut row = FrameRow::default();
-            for (effect, reference) in self.request.effects.iter().zip(&here.references) {
-                let Some(stage) = &self.stage else { continue };
-                let answering = control.map_or(Answering::Rounded, Answering::Control);
-                let rendered = studio(self.plan, self.request, stage, &here.session)
-                    .rendered(reference, &answering, name, true)?
-                    .map_err(|error| RunError::Tracer(name.to_owned(), error))?;
-                let work = series.rendered(here.number, effect.name(), rendered, here.motion.as_deref());
-                if *control == Some(Control::Oracle) && !is_perfect(&work) {
-                    return Err(RunError::Control(format!(
-                        "the oracle's image of {} is not the truth's",
-                        effect.name()
-                    )));
-                }
-                row.works.insert(effect.name().to_owned(), work);
-            }
-            let Some(control) = *control else {
-                series.frames.push(row);
-                continue;
-            };
-            for rays in sets {
-                let asked = asked(here, rays, eye);
-                let hits = asked.control(control)?;
-                let verdicts = asked.verdicts(name, &hits)?;
-                let mut wave = wave_of(rays, &hits, &verdicts);
-                if let Some(answers) = wave.answers.as_mut().filter(|_| self.request.fixed_rays) {
-                    answers.turned = series.told.rays(rays.set.name, verdicts);
-                }
-                row.works.insert(rays.set.name.to_owned(), WorkRow { waves: vec![wave], image: None });
-            }
-            let (places, points) = &here.points;
-            let asked = asked(here, points, self.first_eye);
-            let verdicts = asked.verdicts(name, &asked.control(control)?)?;
-            row.turned = series.told.points(self.points.len(), places, &verdicts);
-            series.frames.push(row);
-        }
+        series.frames.push(row);
         Ok(())
     }
 
@@ -555,9 +443,11 @@ impl Watch<'_> {
         let all: Vec<Vec<Timing>> = self.series.iter().map(timings).collect();
         let believed = records::are_believed(all.iter().map(Vec::as_slice));
         let mut rows = Vec::new();
-        let rounded = || TracerRecord { name: ROUNDED_ORACLE.to_owned(), ..records::control_record(Control::Oracle) };
-        let record = |control: Option<Control>| control.map_or_else(rounded, records::control_record);
-        let controls: Vec<TracerRecord> = self.controls.iter().map(|control| record(*control)).collect();
+        let record = |control: &Answering<'_>| match control {
+            Answering::Control(control) => records::control_record(*control),
+            _ => TracerRecord { name: ROUNDED_ORACLE.to_owned(), ..records::control_record(Control::Oracle) },
+        };
+        let controls: Vec<TracerRecord> = self.controls.iter().map(record).collect();
         let tracers = controls.into_iter().chain(self.tracers.iter().map(records::request_record));
         for (tracer, mut series) in tracers.zip(self.series.drain(..)) {
             if series.frames.is_empty() {
@@ -569,9 +459,6 @@ impl Watch<'_> {
                 if let Some(wave) = row.and_then(|row| row.waves.get_mut(*wave)) {
                     wave.trace_ms = Some(ms);
                 }
-            }
-            for (row, update) in series.frames.iter_mut().zip(&series.updates) {
-                row.update_ms = Some(update.as_ref().map_or(0.0, |timing| timing.total_ms));
             }
             let is_control = tracer.preset == "control";
             let mut pictures = BTreeMap::new();
@@ -605,21 +492,4 @@ fn is_perfect(work: &WorkRow) -> bool {
     let answers = work.waves.iter().all(|wave| wave.right == [wave.judged; 3]);
     answers
         && work.image.as_ref().is_some_and(|image| image.mse == 0.0 && image.flicker.is_none_or(|change| change == 0.0))
-}
-
-/// A set as the only wave.
-fn wave_of(rays: &PreparedRays, hits: &[Hit], verdicts: &Verdicts) -> WaveRow {
-    WaveRow {
-        name: rays.set.name.to_owned(),
-        rays: hits.len() as u64,
-        trace_ms: None,
-        judged: verdicts.judged,
-        right: verdicts.right,
-        answers: Some(AnswersRow {
-            rays_sha256: rays.sha256.clone(),
-            hits_sha256: crate::hash::sha256_of(hits),
-            counters: BTreeMap::new(),
-            turned: None,
-        }),
-    }
 }

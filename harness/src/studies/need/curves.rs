@@ -100,15 +100,11 @@ impl<'a> Step<'a> {
         paired_difference(newly_wrong, newly_right, rays)
     }
 
-    /// Whether the answers are as good as those of the whole structure, as far as so many rays can tell.
-    pub fn is_enough(&self) -> bool {
-        self.lost().is_some_and(|(_, [_, upper])| upper <= self.max_lost_share)
-    }
-
-    /// Whether it is that, and its traces do not take much longer.
-    pub fn is_enough_in_time(&self) -> bool {
-        let in_time = self.times_as_long.is_none_or(|ratio| ratio.value <= self.max_slowdown);
-        self.is_enough() && in_time
+    /// Whether the answers are as good as those of the whole structure, as far as so many rays can tell; `in_time`: and its traces do not
+    /// take much longer.
+    pub fn is_enough(&self, in_time: bool) -> bool {
+        let is_quick = self.times_as_long.is_none_or(|ratio| ratio.value <= self.max_slowdown);
+        self.lost().is_some_and(|(_, [_, upper])| upper <= self.max_lost_share) && (is_quick || !in_time)
     }
 
     /// Allocated bytes of the structure.
@@ -141,27 +137,21 @@ fn touched(row: &Row, trace: &TraceRecord, touch: &Touch) -> Option<f64> {
 }
 
 impl<'a> Axis<'a> {
-    /// How far it may shrink by answers alone.
-    pub fn need(&self) -> Need<'a> {
-        self.until(Step::is_enough)
+    /// How far it may shrink by answers alone; `in_time`: where traces must not take much longer, either.
+    pub fn need(&self, in_time: bool) -> Need<'a> {
+        let [smallest, too_small] =
+            [self.enough(in_time).last(), self.measured().find(|step| !step.is_enough(in_time))]
+                .map(|step| step.and_then(|step| step.value(self.name)));
+        Need { smallest, too_small }
     }
 
-    /// How far it may shrink where traces must not take much longer, either.
-    pub fn need_in_time(&self) -> Need<'a> {
-        self.until(Step::is_enough_in_time)
+    /// Steps before the first that is not enough.
+    fn enough(&self, in_time: bool) -> impl Iterator<Item = &Step<'a>> {
+        self.measured().take_while(move |step| step.is_enough(in_time))
     }
 
-    /// Up to the last step before the first that is not enough; what could not be measured is passed over.
-    fn until(&self, is_enough: impl Fn(&Step<'a>) -> bool) -> Need<'a> {
-        let mut need = Need { smallest: None, too_small: None };
-        for step in self.steps.iter().filter(|step| step.changed.is_some()) {
-            if !is_enough(step) {
-                need.too_small = step.value(self.name);
-                break;
-            }
-            need.smallest = step.value(self.name);
-        }
-        need
+    fn measured(&self) -> impl Iterator<Item = &Step<'a>> {
+        self.steps.iter().filter(|step| step.changed.is_some())
     }
 }
 
@@ -185,26 +175,17 @@ impl<'a> Curve<'a> {
             let smallest = need.smallest?;
             Some(&axis.steps.iter().find(|step| step.value(axis.name) == Some(smallest))?.point.shrunk)
         };
-        let singles =
-            self.axes.iter().flat_map(|axis| [axis.need(), axis.need_in_time()].map(|need| of_axis(axis, need)));
+        let singles = self.axes.iter().flat_map(|axis| [false, true].map(|in_time| of_axis(axis, axis.need(in_time))));
         let smallest = [false, true].map(|in_time| Some(&self.needed(in_time).point.shrunk));
         singles.chain(smallest).flatten().filter(|values| !values.is_empty()).unique().collect()
     }
 
     /// The structure of the fewest bytes that is enough, the whole one among them.
     pub fn needed(&self, in_time: bool) -> &Step<'a> {
-        let is_enough = |step: &Step<'a>| if in_time { step.is_enough_in_time() } else { step.is_enough() };
-        let mut enough: Vec<&Step<'a>> = vec![&self.whole];
-        for axis in &self.axes {
-            for step in axis.steps.iter().filter(|step| step.changed.is_some()) {
-                if !is_enough(step) {
-                    break;
-                }
-                enough.push(step);
-            }
-        }
-        enough.extend(self.joint.iter().filter(|step| is_enough(step)));
-        enough.into_iter().min_by_key(|step| step.bytes().unwrap_or(u64::MAX)).unwrap_or(&self.whole)
+        let of_axes = self.axes.iter().flat_map(|axis| axis.enough(in_time));
+        let enough = of_axes.chain(self.joint.iter().filter(|step| step.is_enough(in_time)));
+        let bytes = |step: &&Step<'a>| step.bytes().unwrap_or(u64::MAX);
+        std::iter::once(&self.whole).chain(enough).min_by_key(bytes).unwrap_or(&self.whole)
     }
 }
 
@@ -226,18 +207,14 @@ pub(super) fn of_record<'a>(
     let Some(own) = rows.iter().copied().find(|row| whole.is_of(row)) else { return Vec::new() };
     let step = |point: &'a NeedPoint, rays: &str| {
         let row = rows.iter().copied().find(|row| point.is_of(row));
-        let trace_of = |row: &'a Row| row.traces.iter().find(|trace| trace.rays == rays);
-        let trace = row.and_then(trace_of);
+        let trace = row.and_then(|row| trace_of(row, rays));
         let changed = point.changed.get(rays).copied().filter(|_| !point.shrunk.is_empty());
         // The whole structure that was timed beside it: it is in every place of the tracer.
-        let beside = trace.and_then(|trace| {
-            let same_interleaved_set = |row: &&Row| {
-                trace_of_rays(row, rays).is_some_and(|own| own.times.interleaved_set == trace.times.interleaved_set)
-            };
-            rows.iter().copied().filter(|row| whole.is_of(row)).find(same_interleaved_set)
-        });
-        let times_as_long = row.zip(trace).zip(beside).and_then(|((row, trace), beside)| {
-            let other = trace_of(beside)?;
+        let times_as_long = row.zip(trace).and_then(|(row, trace)| {
+            let wholes = rows.iter().copied().filter(|row| whole.is_of(row));
+            let mut wholes = wholes.filter_map(|row| Some((row, trace_of(row, rays)?)));
+            let (beside, other) =
+                wholes.find(|(_, other)| other.times.interleaved_set == trace.times.interleaved_set)?;
             record.paired(&Timed::trace(row, trace), &Timed::trace(beside, other)).ratio
         });
         Step { point, row, trace, changed, times_as_long, rule: curve.rule, max_lost_share, max_slowdown }
@@ -269,7 +246,7 @@ pub(super) fn of_record<'a>(
     own.traces.iter().map(of_set).collect()
 }
 
-fn trace_of_rays<'r>(row: &'r Row, rays: &str) -> Option<&'r TraceRecord> {
+fn trace_of<'r>(row: &'r Row, rays: &str) -> Option<&'r TraceRecord> {
     row.traces.iter().find(|trace| trace.rays == rays)
 }
 
@@ -287,7 +264,7 @@ pub fn transfers<'a>(curves: &[Curve<'a>]) -> Vec<Transfer<'a>> {
                 }
                 let step = to.steps().find(|step| step.point.shrunk == *values);
                 let lost = step.and_then(Step::lost);
-                let serves = lost.and(step).map(Step::is_enough);
+                let serves = lost.and(step).map(|step| step.is_enough(false));
                 found.push(Transfer { from: from.section, to: to.section, rays: from.rays, values, lost, serves });
             }
         }

@@ -12,13 +12,12 @@ mod tests;
 use std::collections::BTreeMap;
 
 use itertools::Itertools as _;
-use serde_json::Value;
 
 pub use curves::{Axis, Curve, Need, Step, Transfer, curves, transfers};
 
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, MAX_RESIDENT, MeasureOptions, Measured, Observations, Request, RunError, records};
+use crate::measure::{self, Context, MAX_RESIDENT, MeasureOptions, Measured, Observations, RunError, records};
 use crate::plan::{Plan, Resolution, RunPreset, TracerRequest, ViewRequest};
 use crate::registrations::Shrink;
 use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Record, Skipped};
@@ -96,17 +95,13 @@ fn changes(
     rays: &PreparedRays,
     told: &[Option<Observations>],
 ) -> Result<Vec<Option<ChangedRays>>, RunError> {
-    let right = |told: &Option<Observations>| -> Result<Option<Vec<Option<bool>>>, RunError> {
-        let Some(Observations { hits, .. }) = told else { return Ok(None) };
+    let right = |Observations { hits, .. }: &Observations| -> Result<Vec<Option<bool>>, RunError> {
         let classes = session.classes(request.name(), rays, rule_of(request), hits)?;
-        Ok(Some(classes.into_iter().map(|class| class.map(|class| class.is_right())).collect()))
+        Ok(classes.into_iter().map(|class| class.map(|class| class.is_right())).collect())
     };
-    let Some(Some(first)) = told.first().map(right).transpose()? else { return Ok(vec![None; told.len()]) };
-    let mut all = Vec::new();
-    for own in told {
-        all.push(right(own)?.map(|own| changed(&first, &own)));
-    }
-    Ok(all)
+    let all = told.iter().map(|told| told.as_ref().map(right).transpose()).collect::<Result<Vec<_>, _>>()?;
+    let Some(Some(first)) = all.first() else { return Ok(vec![None; told.len()]) };
+    Ok(all.iter().map(|own| own.as_ref().map(|own| changed(first, own))).collect())
 }
 
 /// Counts rays by whether both were right; `None` for ambiguous any-hit rays, of which either answer is.
@@ -126,10 +121,10 @@ fn changed(first: &[Option<bool>], own: &[Option<bool>]) -> ChangedRays {
 ///
 /// # Errors
 /// As [`measure::execute`].
-pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Record, RunError> {
+pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
     // What is wrong with the last scene is said before the first is measured.
     drop(measure::load(plan, context.progress)?);
-    context.check_rays(plan, required)?;
+    context.check_rays(plan)?;
     let mut record = measure::begin(std::slice::from_ref(plan), context);
     let mut section = NeedRecord { max_lost_share: MAX_LOST_SHARE, max_slowdown: MAX_SLOWDOWN, curves: Vec::new() };
     for (index, source) in plan.scenes.iter().enumerate().filter(|(index, _)| context.takes(*index)) {
@@ -140,7 +135,7 @@ pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Rec
                 let index = PLACES * (index * plan.tracers.len() + place) + 2 * view;
                 let before = joint_before(&section.curves, request);
                 match curve(index, &here, view as u32, (request, &before), &mut record, context) {
-                    Ok(curve) => section.curves.extend(curve),
+                    Ok(curve) => section.curves.push(curve),
                     Err(error @ RunError::NoOtherView(..)) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
                         let known = Skipped { tracer: None, scene, rays: None, reason };
@@ -176,10 +171,10 @@ fn curve(
     (request, before): (&TracerRequest, &[BTreeMap<String, String>]),
     record: &mut Record,
     context: &Context<'_>,
-) -> Result<Option<NeedCurve>, RunError> {
+) -> Result<NeedCurve, RunError> {
     let singles = steps(request, plan.preset);
     context.progress.say(&format!("{}: {} structures", request.name(), singles.len()));
-    let Some((found, points)) = place(index, plan, request, &singles, context)? else { return Ok(None) };
+    let (found, points) = place(index, plan, request, &singles, context)?;
     let mut curve = NeedCurve {
         scene: found.scene.name.clone(),
         scene_sha256: found.scene.sha256.clone(),
@@ -199,12 +194,12 @@ fn curve(
     let mut joints: Vec<Shrunk> = singles.first().cloned().into_iter().collect();
     joints.extend(together.into_iter().filter_map(|values| shrunk(request, plan.preset, values)));
     joints.truncate(MAX_RESIDENT);
-    let found = if joints.len() > 1 { place(index + 1, plan, request, &joints, context)? } else { None };
-    if let Some((found, points)) = found {
+    if joints.len() > 1 {
+        let (found, points) = place(index + 1, plan, request, &joints, context)?;
         curve.points.extend(points.into_iter().skip(1));
         measure::add(record, found);
     }
-    Ok(Some(curve))
+    Ok(curve)
 }
 
 /// What several axes had at once of a tracer in other places, each once.
@@ -220,10 +215,7 @@ fn joint(record: &Record, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
     let aligned = record.aligned();
     for told in curves::of_record(&aligned, curve, MAX_LOST_SHARE, MAX_SLOWDOWN) {
         for in_time in [false, true] {
-            let smallest = |axis: &Axis<'_>| {
-                let need = if in_time { axis.need_in_time() } else { axis.need() };
-                Some((axis.name.to_owned(), need.smallest?.to_owned()))
-            };
+            let smallest = |axis: &Axis<'_>| Some((axis.name.to_owned(), axis.need(in_time).smallest?.to_owned()));
             let needs: BTreeMap<String, String> = told.axes.iter().filter_map(smallest).collect();
             if needs.len() > 1 && !joints.contains(&needs) {
                 joints.push(needs);
@@ -240,20 +232,14 @@ fn place(
     request: &TracerRequest,
     structures: &[Shrunk],
     context: &Context<'_>,
-) -> Result<Option<(Measured, Vec<NeedPoint>)>, RunError> {
-    let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
-    let requests: Vec<Request> = structures.iter().map(|each| Request::of(&each.request)).collect();
+) -> Result<(Measured, Vec<NeedPoint>), RunError> {
+    let requests: Vec<TracerRequest> = structures.iter().map(|each| each.request.clone()).collect();
     let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Observations>]| {
-        let found = (rays.set.name, changes(session, request, rays, told)?);
-        Ok(serde_json::to_value(found).unwrap_or_default())
+        measure::told(&(rays.set.name, changes(session, request, rays, told)?))
     };
     let options = MeasureOptions::timed(plan);
-    let mut found = measure::measure_scene(index, plan, (scene, None), &requests, options, Some(&hook), context)?;
-    let of_set = |told: Value| {
-        serde_json::from_value::<(String, Vec<Option<ChangedRays>>)>(told)
-            .map_err(|error| RunError::Nothing(error.to_string()))
-    };
-    let sets = std::mem::take(&mut found.hooked).into_iter().map(of_set).collect::<Result<Vec<_>, _>>()?;
+    let mut found = measure::measure_plan(index, plan, &requests, options, Some(&hook), context)?;
+    let sets: Vec<(String, Vec<Option<ChangedRays>>)> = found.take_hooked()?;
     let point = |(place, each): (usize, &Shrunk)| {
         let Shrunk { values, request } = each;
         let Resolution { frame, face } =
@@ -271,5 +257,5 @@ fn place(
         }
     };
     let points = structures.iter().enumerate().map(point).collect();
-    Ok(Some((found, points)))
+    Ok((found, points))
 }

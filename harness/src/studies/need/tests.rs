@@ -132,7 +132,7 @@ fn needs_end_before_the_first_loss() {
         let axis = &curve.axes[0];
         let mib = |in_time| curve.needed(in_time).bytes().unwrap() >> 20;
         let told = |need: Need<'_>| (need.smallest.map(str::to_owned), need.too_small.map(str::to_owned));
-        (told(axis.need()), told(axis.need_in_time()), mib(false), mib(true))
+        (told(axis.need(false)), told(axis.need(true)), mib(false), mib(true))
     };
     let some = |text: &str| Some(text.to_owned());
     let even = [1.0, 1.1, 1.2];
@@ -178,7 +178,7 @@ fn what_is_larger_is_no_step() {
         let mut record = fixture::run(&[], &[]);
         (record.rows, record.need) = (rows, Some(section_of(vec![curve])));
         let curves = curves(&record, record.need.as_ref().unwrap());
-        let need = curves[0].axes[0].need();
+        let need = curves[0].axes[0].need(false);
         assert_eq!((need.smallest, need.too_small), (Some("4"), Some("2")));
         assert_eq!(curves[0].needed(false).bytes(), Some(16 << 20));
     }
@@ -253,7 +253,7 @@ fn counts_are_those_of_rows() {
     let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
-    let record = execute(&plan(), false, &context).unwrap();
+    let record = execute(&plan(), &context).unwrap();
     let section = record.need.as_ref().unwrap();
     let told: Vec<(&str, u32)> = section.curves.iter().map(|curve| (curve.tracer.as_str(), curve.view)).collect();
     assert_eq!(told, [("bvh-cpu", 0), ("screen-dda", 0), ("bvh-cpu", 1), ("screen-dda", 1)]);
@@ -274,7 +274,7 @@ fn counts_are_those_of_rows() {
             compared += newly_wrong;
         }
         let axis = &curve.axes[0];
-        assert!(axis.name == RESOLUTION && axis.need().too_small.is_some(), "{:?}", axis.need());
+        assert!(axis.name == RESOLUTION && axis.need(false).too_small.is_some(), "{:?}", axis.need(false));
         assert!(curve.whole.touched_bytes().unwrap() <= curve.whole.bytes().unwrap() as f64);
     }
     assert!(compared > 0);

@@ -71,17 +71,17 @@ impl Fit {
 
     /// The time of so many rays.
     pub fn at(&self, rays: f64) -> Amount {
-        let parts = self.samples.iter().zip(&self.weights).map(|((_, ms), [a, b])| ms.times(a + b * rays));
-        parts.fold(Amount::exact(0.0), Amount::and)
+        self.sum(|[a, b]| a + b * rays)
     }
 
     /// The constant part, milliseconds a trace, and the part a ray, milliseconds.
     pub fn parts(&self) -> [Amount; 2] {
-        let part = |which: usize| {
-            let parts = self.samples.iter().zip(&self.weights).map(|((_, ms), weights)| ms.times(weights[which]));
-            parts.fold(Amount::exact(0.0), Amount::and)
-        };
-        [part(0), part(1)]
+        [self.sum(|[a, _]| a), self.sum(|[_, b]| b)]
+    }
+
+    fn sum(&self, weight: impl Fn([f64; 2]) -> f64) -> Amount {
+        let parts = self.samples.iter().zip(&self.weights).map(|((_, ms), weights)| ms.times(weight(*weights)));
+        parts.fold(Amount::exact(0.0), Amount::and)
     }
 
     fn ends(&self) -> [f64; 2] {

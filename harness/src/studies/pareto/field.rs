@@ -328,14 +328,14 @@ impl<'a> Field<'a> {
     }
 
     /// Whether one costs less, or is wrong less often, beyond noise.
-    pub(super) fn surely_better(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost, by: By) -> bool {
+    fn surely_better(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost, by: By) -> bool {
         let wrong = |entry: &Entry<'_>| Wrong::of(entry.trace, by).map(|wrong| wrong.share.interval);
         let fewer = wrong(one).zip(wrong(other)).is_some_and(|(one, other)| one[1] < other[0]);
         fewer || self.surely_cheaper(one, other, cost)
     }
 
     /// Entries with their places, those that lack cost or error left out.
-    pub(super) fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, CostAndError)> {
+    fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, CostAndError)> {
         let spot = |entry: &Entry<'a>| {
             let spot = CostAndError { cost: self.cost(entry, cost)?.value, error: Wrong::of(entry.trace, by)?.drawn() };
             Some((*entry, spot))
@@ -362,6 +362,19 @@ impl<'a> Field<'a> {
         let surely = |one: usize, other: usize| self.surely_better(&all[one].0, &all[other].0, cost, by);
         let front_statuses = front_statuses(&spots, surely);
         all.into_iter().zip(front_statuses).map(|((entry, spot), front_status)| (entry, spot, front_status)).collect()
+    }
+
+    /// Of every entry of a choice those that beat it, in cost and in error, but in neither by more than noise: by their places among the
+    /// record's points.
+    pub fn unsurely_beaten(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(usize, Vec<usize>)> {
+        let all = self.spots(entries, cost, by);
+        let of = |(entry, spot): &(Entry<'a>, CostAndError)| {
+            let is = |(other, beside): &&(Entry<'a>, CostAndError)| {
+                beside.dominates(spot) && !self.surely_better(other, entry, cost, by)
+            };
+            (entry.index, all.iter().filter(is).map(|(other, _)| other.index).collect())
+        };
+        all.iter().map(of).collect()
     }
 
     /// The entries of one tracer, published and improved.

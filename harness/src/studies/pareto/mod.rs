@@ -9,19 +9,14 @@ mod break_even;
 mod design;
 mod field;
 mod front;
-mod noise;
 mod operating;
 pub(super) mod pictures;
 #[cfg(test)]
 mod tests;
 mod verdicts;
 
-use std::collections::BTreeSet;
-
 use itertools::Itertools as _;
-use serde_json::Value;
 use tracebench_api::Update;
-use tracebench_scenes::Scene;
 
 pub use break_even::{BEYOND, BreakEven, Fit, FrameCost, Motion, Stretch, break_even, stretches};
 pub use design::{Axis, Designed, axes, order, points};
@@ -31,12 +26,11 @@ pub use operating::{Aim, Check, LEVELS, best, check, chosen, farthest};
 pub use verdicts::{Class, ClassCost, SceneFronts, classes, contested, scene_fronts};
 
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, AnimationFrames, Context, MeasureOptions, Measured, Observations, Request, RunError};
-use crate::plan::{Plan, RunPreset, ViewRequest};
+use crate::measure::{self, Context, MeasureOptions, Measured, Observations, RunError};
+use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
 use crate::rays::between_samples;
 use crate::results::{
     FrontScene, HeldOutRecord, ParetoRecord, Record, Row, STILL_REFIT, SetPictures, Skipped, UpdateModeRecord,
-    ViewpointRecord,
 };
 use crate::studies::sweep::SweepError;
 
@@ -109,15 +103,16 @@ impl Pareto {
     ///
     /// # Errors
     /// As [`measure::execute`].
-    pub fn execute(mut self, required: bool, context: &Context<'_>) -> Result<Record, RunError> {
+    pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
         // What is wrong with the last scene is said before the first is measured.
         drop(measure::load(&self.plan, context.progress)?);
-        context.check_rays(&self.plan, required)?;
+        context.check_rays(&self.plan)?;
         let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
         for (index, source) in self.plan.scenes.clone().into_iter().enumerate() {
             if context.takes(index) {
                 let plan = Plan { scenes: vec![source], ..self.plan.clone() };
-                self.scene(PLACES * index, &plan, &mut record, context)?;
+                let scene = self.scene(PLACES * index, &plan, &mut record, context)?;
+                self.section.scenes.push(scene);
             }
         }
         record.skipped.extend(left_out(&self.section));
@@ -129,29 +124,40 @@ impl Pareto {
     }
 
     /// One scene, in all of its places from an index on.
-    fn scene(&mut self, index: usize, plan: &Plan, record: &mut Record, context: &Context<'_>) -> Result<(), RunError> {
+    fn scene(
+        &mut self,
+        index: usize,
+        plan: &Plan,
+        record: &mut Record,
+        context: &Context<'_>,
+    ) -> Result<FrontScene, RunError> {
         let all: Vec<usize> = (0..self.points.len()).collect();
-        let Some(found) = self.place(index, plan, &all, MeasureOptions::timed(plan), context)? else { return Ok(()) };
-        let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
-        record.skipped.extend(blind(&found, &viewpoint));
-        self.add(record, &all, found, &scene.name);
-        self.section.scenes.push(FrontScene { scene, viewpoint, ..FrontScene::default() });
-        let chosen: Vec<usize> = self.chosen(record).into_iter().collect();
+        let found = self.measure(index, plan, &all, MeasureOptions::timed(plan), context)?;
+        let mut told =
+            FrontScene { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), ..Default::default() };
+        let name = found.scene.name.clone();
+        record.skipped.extend(blind(&found));
+        self.add(record, &all, found, &name);
+        // By what was measured so far, as its page will say.
+        let chosen: Vec<usize> = {
+            let aligned = record.aligned();
+            chosen(&fields(&aligned, &self.section, &told, &told.viewpoint)).into_iter().collect()
+        };
         if chosen.is_empty() {
-            return Ok(());
+            return Ok(told);
         }
         context.progress.say(&format!("{} of {} points are chosen", chosen.len(), self.points.len()));
-        let name = self.told(|scene| scene.scene.name.clone());
-        match self.elsewhere(index + 1, plan, &chosen, context) {
-            Ok(Some((found, held_out))) => {
+        let checking = elsewhere(plan);
+        match self.measure(index + 1, &checking, &chosen, MeasureOptions::untimed(), context) {
+            Ok(found) => {
+                let held_out = HeldOutRecord { seed: checking.seed, viewpoint: found.viewpoint.clone() };
                 self.add(record, &chosen, found, &format!("{name} from {}", held_out.viewpoint.name));
-                self.tell(|scene| scene.held_out = Some(held_out));
+                told.held_out = Some(held_out);
             }
-            Ok(None) => {}
             Err(error @ RunError::NoOtherView(..)) => {
-                let reason = error.to_string();
-                record.skipped.push(Skipped { tracer: None, scene: name.clone(), rays: None, reason: reason.clone() });
-                self.tell(|scene| scene.held_out_skipped = Some(reason));
+                let (scene, reason) = (name.clone(), error.to_string());
+                record.skipped.push(Skipped { tracer: None, scene, rays: None, reason: reason.clone() });
+                told.held_out_skipped = Some(reason);
             }
             Err(error) => return Err(error),
         }
@@ -160,70 +166,35 @@ impl Pareto {
             let smaller = Plan { preset: RunPreset { ray_image, ..plan.preset }, ..plan.clone() };
             // Its builds are those of before.
             let options = MeasureOptions { builds_timed: false, validated: false, ..MeasureOptions::timed(&smaller) };
-            let Some(found) = self.place(index + 2 + place, &smaller, &chosen, options, context)? else { continue };
-            let ray_image = found.viewpoint.ray_image;
-            self.add(record, &chosen, found, &format!("{name} with {}×{} pixels", ray_image[0], ray_image[1]));
-            self.tell(|scene| scene.ray_images.push(ray_image));
+            let found = self.measure(index + 2 + place, &smaller, &chosen, options, context)?;
+            let [width, height] = found.viewpoint.ray_image;
+            self.add(record, &chosen, found, &format!("{name} with {width}×{height} pixels"));
+            told.ray_images.push([width, height]);
         }
-        self.refits(index + 2 + SMALLER_IMAGES.len(), plan, &chosen, record, context)?;
-        self.pictures(index + 3 + SMALLER_IMAGES.len(), plan, record, context)
+        let index = index + 2 + SMALLER_IMAGES.len();
+        self.refits(index, plan, &chosen, record, context)?;
+        told.pictures = self.pictures(index + 1, plan, record, &told, context)?;
+        Ok(told)
     }
 
-    /// The scene that is measured.
-    fn told<T>(&self, of: impl FnOnce(&FrontScene) -> T) -> T
-    where
-        T: Default,
-    {
-        self.section.scenes.last().map(of).unwrap_or_default()
-    }
-
-    fn tell(&mut self, what: impl FnOnce(&mut FrontScene)) {
-        if let Some(scene) = self.section.scenes.last_mut() {
-            what(scene);
-        }
-    }
-
-    /// Points that are chosen by what was measured in the last scene, as its page will say.
-    fn chosen(&self, record: &Record) -> BTreeSet<usize> {
-        let Some(scene) = self.section.scenes.last() else { return BTreeSet::new() };
-        let aligned = record.aligned();
-        chosen(&fields(&aligned, &self.section, scene, &scene.viewpoint))
+    /// Some points as they are asked for.
+    fn requests(&self, points: &[usize]) -> Vec<TracerRequest> {
+        points.iter().map(|point| self.points[*point].request.clone()).collect()
     }
 
     /// Some points in a plan's only scene.
-    fn place(
+    fn measure(
         &self,
         index: usize,
         plan: &Plan,
         points: &[usize],
         options: MeasureOptions,
         context: &Context<'_>,
-    ) -> Result<Option<Measured>, RunError> {
-        let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
-        let requests: Vec<Request> = points.iter().map(|point| Request::of(&self.points[*point].request)).collect();
-        measure::measure_scene(index, plan, (scene, None), &requests, options, None, context).map(Some)
+    ) -> Result<Measured, RunError> {
+        measure::measure_plan(index, plan, &self.requests(points), options, None, context)
     }
 
-    /// Some points from another viewpoint, with rays of another seed and from other places in their pixels; nothing is timed there.
-    fn elsewhere(
-        &self,
-        index: usize,
-        plan: &Plan,
-        points: &[usize],
-        context: &Context<'_>,
-    ) -> Result<Option<(Measured, HeldOutRecord)>, RunError> {
-        let seed = plan.seed.wrapping_add(FURTHER_SEED);
-        let ray_image = between_samples(plan.preset.ray_image, plan.preset.frame, CHECKED_PART);
-        let preset = RunPreset { ray_image, ..plan.preset };
-        let plan = Plan { preset, view: ViewRequest::Other(Box::new(plan.view.clone())), seed, ..plan.clone() };
-        let Some(found) = self.place(index, &plan, points, MeasureOptions::untimed(), context)? else {
-            return Ok(None);
-        };
-        let viewpoint: ViewpointRecord = found.viewpoint.clone();
-        Ok(Some((found, HeldOutRecord { seed, viewpoint })))
-    }
-
-    /// Refits of those points that can be refitted, to vertices that stand still: what a refit does is the same however far they moved.
+    /// Refits of those points that can be refitted.
     fn refits(
         &mut self,
         index: usize,
@@ -241,59 +212,64 @@ impl Pareto {
             return Ok(());
         }
         let plan = Plan { ray_sets: Vec::new(), ..plan.clone() };
-        let Some(scene) = measure::load(&plan, context.progress)?.pop() else { return Ok(()) };
-        let refit =
-            |point: &usize| Request { follows: Some(Update::Refit), ..Request::of(&self.points[*point].request) };
-        let requests: Vec<Request> = points.iter().map(refit).collect();
-        let (name, film) = (scene.name.clone(), still(&scene, plan.preset.sampling.min_rounds));
-        let (frame, options) = ((scene, Some(film)), MeasureOptions::timed(&plan));
-        let mut found = measure::measure_scene(index, &plan, frame, &requests, options, None, context)?;
+        let options = MeasureOptions { refitted: true, ..MeasureOptions::timed(&plan) };
+        let mut found = self.measure(index, &plan, &points, options, context)?;
         for row in found.rows.iter_mut().flatten() {
             row.update_mode = Some(UpdateModeRecord { name: STILL_REFIT.to_owned(), parameters: Default::default() });
         }
-        self.add(record, &points, found, &format!("{name}, refits"));
+        let place = format!("{}, refits", found.scene.name);
+        self.add(record, &points, found, &place);
         Ok(())
     }
 
     /// Pictures of what points on fronts answer, beside the record where there is a folder for it.
-    fn pictures(&mut self, index: usize, plan: &Plan, record: &Record, context: &Context<'_>) -> Result<(), RunError> {
-        let (Some(results), Some(scene)) = (context.journal.results(), self.section.scenes.last()) else {
-            return Ok(());
-        };
+    fn pictures(
+        &self,
+        index: usize,
+        plan: &Plan,
+        record: &Record,
+        scene: &FrontScene,
+        context: &Context<'_>,
+    ) -> Result<Vec<SetPictures>, RunError> {
+        let Some(results) = context.journal.results() else { return Ok(Vec::new()) };
         let costs = Cost::all(&self.section.rays_per_pixel);
         let points = pictures::shown(&fields(&record.aligned(), &self.section, scene, &scene.viewpoint), &costs);
-        let Some(scene) = measure::load(plan, context.progress)?.pop().filter(|_| !points.is_empty()) else {
-            return Ok(());
-        };
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
         context.progress.say(&format!("pictures of {} points on fronts", points.len()));
-        let names: Vec<String> = points.iter().map(|point| self.points[*point].request.name().to_owned()).collect();
-        let requests: Vec<Request> = points.iter().map(|point| Request::of(&self.points[*point].request)).collect();
+        let requests = self.requests(&points);
+        let names: Vec<&str> = requests.iter().map(TracerRequest::name).collect();
         let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Observations>]| {
             pictures::paint(session, plan.preset.ray_image, rays, told, (&points, &names), results)
         };
         let options = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
-        let found = measure::measure_scene(index, plan, (scene, None), &requests, options, Some(&hook), context)?;
-        let told = |value: Value| serde_json::from_value(value).map_err(|error| RunError::Picture(error.to_string()));
-        let painted = found.hooked.into_iter().map(told).collect::<Result<Vec<SetPictures>, _>>()?;
-        self.tell(|scene| scene.pictures = painted);
-        Ok(())
+        measure::measure_plan(index, plan, &requests, options, Some(&hook), context)?.take_hooked()
     }
 
     /// Adds what was measured of some points, and notes those that could not be.
     fn add(&mut self, record: &mut Record, points: &[usize], found: Measured, place: &str) {
-        for (request, (_, refusal)) in measure::add(record, found) {
+        for (request, refusal) in measure::add(record, found) {
             self.section.points[points[request]].skipped.insert(place.to_owned(), refusal.reason);
         }
     }
 }
 
-/// Ray sets that hit nothing from a viewpoint: there is no front over them.
-fn blind(found: &Measured, viewpoint: &ViewpointRecord) -> Vec<Skipped> {
+/// A plan from another viewpoint, with rays of another seed and from other places in their pixels.
+fn elsewhere(plan: &Plan) -> Plan {
+    let ray_image = between_samples(plan.preset.ray_image, plan.preset.frame, CHECKED_PART);
+    let preset = RunPreset { ray_image, ..plan.preset };
+    let (seed, view) = (plan.seed.wrapping_add(FURTHER_SEED), ViewRequest::Other(Box::new(plan.view.clone())));
+    Plan { preset, view, seed, ..plan.clone() }
+}
+
+/// Ray sets that hit nothing from their viewpoint: there is no front over them.
+fn blind(found: &Measured) -> Vec<Skipped> {
     let traces = found.rows.iter().flatten().flat_map(|row| row.traces.iter().map(move |trace| (row, trace)));
     let blind = traces.filter(|(_, trace)| field::sees_nothing(trace)).map(|(row, trace)| {
         let reason = format!(
             "no ray of it hits anything from viewpoint {}: nothing can be told by it; choose another one by --view",
-            viewpoint.name
+            found.viewpoint.name
         );
         Skipped { tracer: None, scene: row.scene.name.clone(), rays: Some(trace.rays.clone()), reason }
     });
@@ -310,12 +286,6 @@ fn left_out(section: &ParetoRecord) -> Vec<Skipped> {
         Skipped { tracer, scene: scene.clone(), rays: None, reason: reason.clone() }
     });
     found.unique().collect()
-}
-
-/// Frames over which nothing moves, with a counted refit in each pass.
-fn still(scene: &Scene, passes: u32) -> AnimationFrames {
-    let positions = vec![scene.mesh.positions.clone(); 2];
-    AnimationFrames::new(scene, positions, passes)
 }
 
 /// The refit of a point in a scene, if it was measured.

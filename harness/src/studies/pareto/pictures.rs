@@ -7,12 +7,12 @@ use tracebench_api::{Hit, Query};
 use super::field::{By, Cost, Field};
 use super::front::FrontStatus;
 use crate::files::OutputFolder;
-use crate::hash::sha256_of;
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{JournalError, MAX_RESIDENT, Observations, RunError};
+use crate::measure::{self, MAX_RESIDENT, Observations, RunError};
 use crate::render::painted::{Canvas, Painted};
-use crate::results::{PICTURES_FOLDER, PointPictures, SetPictures};
+use crate::results::{PointPictures, SetPictures};
+use crate::studies::keep_picture;
 
 /// Points that stand on a front by the rule that charts are drawn by, at any cost; no more than are there at a time.
 pub(super) fn shown(fields: &[Field<'_>], costs: &[Cost]) -> Vec<usize> {
@@ -37,7 +37,7 @@ pub(super) fn paint(
     size: [u32; 2],
     rays: &PreparedRays,
     told: &[Option<Observations>],
-    (points, names): (&[usize], &[String]),
+    (points, names): (&[usize], &[&str]),
     results: &OutputFolder,
 ) -> Result<Value, RunError> {
     let canvas = Canvas { size, pixels: &rays.pixels };
@@ -73,18 +73,14 @@ pub(super) fn paint(
             error: if is_any { None } else { Some(keep(canvas.errors(greatest, &truth, &t))?) },
         });
     }
-    Ok(serde_json::to_value(pictures).unwrap_or_default())
+    measure::told(&pictures)
 }
 
 fn answered(hit: &Hit) -> Option<f64> {
     hit.is_hit().then(|| f64::from(hit.t))
 }
 
-/// Writes a picture beside the record, and gives its name.
+/// Writes what was painted beside the record, and gives its name.
 pub(in crate::studies) fn keep(painted: &Painted, results: &OutputFolder) -> Result<String, RunError> {
-    let bytes = painted.png().map_err(|error| RunError::Picture(error.to_string()))?;
-    let name = format!("{}.png", &sha256_of(&bytes)[..32]);
-    let written = results.write(&format!("{PICTURES_FOLDER}/{name}"), &bytes);
-    written.map_err(|error| RunError::Journal(JournalError::from(error)))?;
-    Ok(name)
+    keep_picture(&painted.png().map_err(|error| RunError::Picture(error.to_string()))?, results)
 }

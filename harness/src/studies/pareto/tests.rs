@@ -268,7 +268,7 @@ fn chosen_points_are_measured_again() {
     let words = serde_json::json!("the same");
     let measured = |journal: &Journal| {
         let context = Context::new(&none, &cache, &quiet, journal);
-        Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap()
+        Pareto::new(&plan(), &extent).unwrap().execute(&context).unwrap()
     };
     let journal = Journal::begin(&results, &words, &machine, None).unwrap();
     let record = measured(&journal);
@@ -315,6 +315,6 @@ fn chosen_points_are_measured_again() {
     let quiet_journal = Journal::none();
     let mut context = Context::new(&none, &cache, &quiet, &quiet_journal);
     context.shard = Some(other);
-    let empty = Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap();
+    let empty = Pareto::new(&plan(), &extent).unwrap().execute(&context).unwrap();
     assert!(empty.rows.is_empty() && empty.pareto.unwrap().scenes.is_empty());
 }

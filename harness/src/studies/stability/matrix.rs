@@ -2,8 +2,8 @@
 
 use super::{Verdict, verdict};
 use crate::results::{
-    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Record, Skipped,
-    UNEXPLAINED, Wrong,
+    AnyJudgement, CaseRecord, CaseTracer, ClosestJudgement, ExpectationRecord, Judgement, NoAnswer, Occlusion,
+    Provenance, Record, Skipped, UNEXPLAINED, Wrong,
 };
 
 /// A run of cases.
@@ -53,13 +53,7 @@ pub struct Measured {
     /// The greatest share of rays, by any rule, whose wrong answers have no cause.
     pub unexplained: f64,
     /// Why there are no answers.
-    pub error: Option<String>,
-    /// Whether that is because the device is too small.
-    pub refused: bool,
-    /// Whether a limit of the device forbids it.
-    pub unavailable: bool,
-    /// Whether the method does not serve such rays.
-    pub unserved: bool,
+    pub no_answer: Option<NoAnswer>,
     /// Whether it came as expected; `None` if nothing is.
     pub as_expected: Option<bool>,
 }
@@ -95,6 +89,13 @@ impl Stability {
     }
 }
 
+impl Measured {
+    /// Whether there are no answers for such a reason.
+    pub(super) fn is(&self, why: fn(&NoAnswer) -> bool) -> bool {
+        self.no_answer.as_ref().is_some_and(why)
+    }
+}
+
 impl CaseMatrix {
     fn of(record: &Record, case: &CaseRecord) -> Self {
         let cell = |of: &CaseTracer| {
@@ -118,39 +119,27 @@ fn measured(record: &Record, case: &CaseRecord, of: &CaseTracer, difficulty_leve
         row.scene.name == case.name && row.difficulty_level == Some(difficulty_level) && row.tracer == of.tracer
     };
     let trace = record.rows.iter().find(is_row).and_then(|row| row.traces.first());
-    let judgement = trace.map(|trace| &trace.judgement);
-    let none = Measured {
+    let said = of.no_answers.iter().find(|each| each.difficulty_level == difficulty_level).cloned();
+    let not_measured = || {
+        let error = "not measured".to_owned();
+        NoAnswer { difficulty_level, error, refused: false, unavailable: false, unserved: false }
+    };
+    Measured {
         difficulty_level,
-        wrong: None,
+        wrong: trace.and_then(|trace| wrong(&trace.judgement)),
         unexplained: trace.map_or(0.0, |trace| unexplained(&trace.judgement, trace.count)),
-        error: None,
-        refused: false,
-        unavailable: false,
-        unserved: false,
+        no_answer: if trace.is_none() { Some(said.unwrap_or_else(not_measured)) } else { None },
         as_expected: None,
-    };
-    let wrong = |right: Option<[f64; 3]>| {
-        right.map(|[hit_miss, tight, footprint]| Wrong {
-            hit_miss: 1.0 - hit_miss,
-            tight: 1.0 - tight,
-            footprint: 1.0 - footprint,
-        })
-    };
-    match judgement {
-        None => {
-            let said = of.no_answers.iter().find(|each| each.difficulty_level == difficulty_level);
-            let [refused, unavailable, unserved] =
-                said.map_or([false; 3], |said| [said.refused, said.unavailable, said.unserved]);
-            let error = said.map_or("not measured", |said| said.error.as_str());
-            Measured { error: Some(error.to_owned()), refused, unavailable, unserved, ..none }
-        }
-        Some(Judgement::Closest(closest)) => {
-            let right = &closest.agreement;
-            let shares = right.hit_miss.zip(right.tight.zip(right.footprint));
-            Measured { wrong: wrong(shares.map(|(hit_miss, (tight, footprint))| [hit_miss, tight, footprint])), ..none }
-        }
-        Some(Judgement::Any(any)) => Measured { wrong: wrong(right_of_any(any).map(|share| [share; 3])), ..none },
     }
+}
+
+fn wrong(judgement: &Judgement) -> Option<Wrong> {
+    let right = match judgement {
+        Judgement::Closest(ClosestJudgement { agreement: of, .. }) => [of.hit_miss?, of.tight?, of.footprint?],
+        Judgement::Any(any) => [right_of_any(any)?; 3],
+    };
+    let [hit_miss, tight, footprint] = right.map(|share| 1.0 - share);
+    Some(Wrong { hit_miss, tight, footprint })
 }
 
 fn unexplained(judgement: &Judgement, rays: u64) -> f64 {

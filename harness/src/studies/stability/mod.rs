@@ -11,8 +11,10 @@ use tracebench_api::{Geometry, Gpu, Rasterizer};
 use crate::cases::{CASES, Case, Probe, Setup};
 use crate::hash;
 use crate::judge::true_counts;
-use crate::measure::session::Session;
-use crate::measure::{self, Context, MeasureOptions, PreparedWorkload, Refusal, Request, RunError, Workload, records};
+use crate::measure::session::{PreparedRays, Session};
+use crate::measure::{
+    self, Context, MeasureOptions, Observations, PreparedWorkload, Refusal, RunError, Workload, records,
+};
 use crate::plan::TracerRequest;
 use crate::rays::RaySet;
 use crate::registrations::Expectation;
@@ -20,7 +22,7 @@ use crate::results::{
     CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
     Record, SceneRecord, Skipped, TrueCounts,
 };
-use crate::truth::Truth;
+use crate::truth::{Answer, Truth};
 
 pub use expected::{ExpectedError, ExpectedShares};
 pub use matrix::{CaseMatrix, Cell, Measured, Stability};
@@ -84,8 +86,8 @@ pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>)
     let mut absent = vec![false; candidates.len()];
     for (candidate, absent) in candidates.iter().zip(&mut absent) {
         let tracer = candidate.request.name().to_owned();
-        match context.create(&candidate.request) {
-            Ok(()) => {}
+        match context.config(&candidate.request) {
+            Ok(_) => {}
             Err(error) if candidate.request.required => return Err(RunError::Tracer(tracer, error)),
             Err(error) => {
                 *absent = true;
@@ -130,29 +132,28 @@ fn measure_case(
         })
         .collect();
     let running: Vec<usize> = (0..candidates.len()).filter(|place| !absent[*place]).collect();
-    let requests: Vec<Request> = running.iter().map(|place| Request::of(&candidates[*place].request)).collect();
+    let requests: Vec<TracerRequest> = running.iter().map(|place| candidates[*place].request.clone()).collect();
     let (mut difficulty_levels, mut invalid) = (Vec::new(), None);
     for (turn, &difficulty_level) in case.difficulty_parameter.values.iter().enumerate() {
         let gpu = context.device.as_ref().ok();
         let prepare = || placed(case, difficulty_level, gpu);
-        let options = MeasureOptions { validated: false, lenient: true, ..MeasureOptions::untimed() };
+        let hook = |session: &Session, rays: &PreparedRays, _: &[Option<Observations>]| {
+            measure::told(&describe(case, difficulty_level, session.truth(), &rays.answers)?)
+        };
         let place = Workload {
             index: index + turn,
             scene_sha256: None,
             prepare: &prepare,
             requests: &requests,
-            options,
-            hook: None,
+            options: MeasureOptions { validated: false, lenient: true, ..MeasureOptions::untimed() },
+            hook: Some(&hook),
         };
         let mut found = measure::measure(&place, context)?;
-        let told = std::mem::take(&mut found.told);
-        difficulty_levels.push(
-            serde_json::from_value::<DifficultyLevel>(told).map_err(|error| RunError::Nothing(error.to_string()))?,
-        );
+        difficulty_levels.extend(found.take_hooked::<DifficultyLevel>()?);
         if let Some(reason) = found.invalid.take() {
             invalid.get_or_insert_with(|| format!("at {difficulty_level}: {reason}"));
         }
-        for (request, (_, refusal)) in measure::add(record, found) {
+        for (request, refusal) in measure::add(record, found) {
             let Refusal { reason: error, too_large: refused, unavailable, unserved, .. } = refusal;
             let no_answer = NoAnswer { difficulty_level, error, refused, unavailable, unserved };
             tracers[running[request]].no_answers.push(no_answer);
@@ -178,7 +179,6 @@ fn measure_case(
 fn placed(case: &Case, difficulty_level: f64, gpu: Option<&Arc<Gpu>>) -> Result<PreparedWorkload, RunError> {
     let setup = (case.make)(difficulty_level)?;
     let session = prepare(case, &setup, gpu)?;
-    let told = describe(case, difficulty_level, &setup, &session);
     let Geometry { positions, triangles, .. } = &setup.geometry;
     let parts = [hash::sha256_of(positions), hash::sha256_of(triangles)].concat();
     let scene = SceneRecord {
@@ -190,8 +190,7 @@ fn placed(case: &Case, difficulty_level: f64, gpu: Option<&Arc<Gpu>>) -> Result<
     };
     let rays = [setup.rays.len() as u32, 1];
     let viewpoint = records::viewpoint_of("given", &setup.viewpoint, rays, 0.0);
-    let told = serde_json::to_value(told).map_err(|error| RunError::Nothing(error.to_string()))?;
-    Ok(PreparedWorkload { scene, viewpoint, difficulty_level: Some(difficulty_level), session, film: None, told })
+    Ok(PreparedWorkload { scene, viewpoint, difficulty_level: Some(difficulty_level), session })
 }
 
 /// A case at one difficulty level with its truth, on the device as well if there is one.
@@ -206,13 +205,19 @@ pub fn prepare(case: &Case, setup: &Setup, gpu: Option<&Arc<Gpu>>) -> Result<Ses
     Ok(Session::of_rays(truth, setup.viewpoint, set, setup.rays.clone(), gpu.cloned())?)
 }
 
-fn describe(case: &Case, difficulty_level: f64, setup: &Setup, session: &Session) -> DifficultyLevel {
-    let rays = &session.rays[0];
-    let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(&rays.answers);
-    let probe = Probe { setup, truth: session.truth(), answers: &rays.answers };
+/// What the truth says of a case at one difficulty level.
+fn describe(
+    case: &Case,
+    difficulty_level: f64,
+    truth: &Truth,
+    answers: &[Answer],
+) -> Result<DifficultyLevel, RunError> {
+    let setup = (case.make)(difficulty_level)?;
+    let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(answers);
+    let probe = Probe { setup: &setup, truth, answers };
     let featured = (0..setup.rays.len()).filter(|index| (case.feature.has)(&probe, *index)).count();
     let count = setup.rays.len() as u64;
-    DifficultyLevel {
+    Ok(DifficultyLevel {
         difficulty_level,
         triangles: setup.geometry.triangles.len() as u64,
         query: setup.query,
@@ -222,5 +227,5 @@ fn describe(case: &Case, difficulty_level: f64, setup: &Setup, session: &Session
         true_misses,
         ambiguous_rays: count - true_hits - true_misses,
         featured: featured as f64 / count.max(1) as f64,
-    }
+    })
 }

@@ -1,7 +1,9 @@
 //! From what was measured to a verdict.
 
 use super::{Cell, Measured};
-use crate::results::{CaseRecord, EXACT, ExpectationRecord, MAX_UNEXPLAINED, Rule, UNSERVED, UnexpectedOutcome};
+use crate::results::{
+    CaseRecord, EXACT, ExpectationRecord, MAX_UNEXPLAINED, NoAnswer, Rule, UNSERVED, UnexpectedOutcome,
+};
 
 /// What came of a tracer on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +85,7 @@ fn worst(measured: &[Measured], rule: Rule) -> f64 {
 }
 
 fn unstated(measured: &[Measured]) -> String {
-    if let Some(error) = measured.iter().find_map(|each| each.error.as_ref()) {
+    if let Some(NoAnswer { error, .. }) = measured.iter().find_map(|each| each.no_answer.as_ref()) {
         return format!("unstated, no answers: {error}");
     }
     let [tight, footprint] = [Rule::Tight, Rule::Footprint].map(|rule| percent(worst(measured, rule)));
@@ -91,10 +93,10 @@ fn unstated(measured: &[Measured]) -> String {
 }
 
 fn unserved(expected: &ExpectationRecord, measured: &mut [Measured]) -> (Verdict, String) {
-    measured.iter_mut().for_each(|each| each.as_expected = Some(each.unserved));
-    match measured.iter().find(|each| !each.unserved) {
+    measured.iter_mut().for_each(|each| each.as_expected = Some(each.is(|why| why.unserved)));
+    match measured.iter().find(|each| !each.is(|why| why.unserved)) {
         None => (Verdict::Unserved, format!("not served: {}", expected.reason)),
-        Some(Measured { error: Some(error), .. }) => {
+        Some(Measured { no_answer: Some(NoAnswer { error, .. }), .. }) => {
             (Verdict::UnexpectedFailure, format!("UNEXPECTED failure: {error}"))
         }
         Some(_) => (Verdict::UnexpectedSuccess, "UNEXPECTED success: these rays are served".to_owned()),
@@ -108,11 +110,11 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
         let at = format!("at {} {}", each.difficulty_level, case.difficulty_parameter.unit);
         let at = at.trim_end();
         let unexpected_outcome = match each.wrong {
-            None if each.refused && expected.may_be_refused(values, index) => None,
+            None if each.is(|why| why.refused) && expected.may_be_refused(values, index) => None,
             // A limit of the device forbids it: which one depends on the device.
-            None if each.unavailable && expected.refusable_from.is_some() => None,
+            None if each.is(|why| why.unavailable) && expected.refusable_from.is_some() => None,
             None => {
-                let reason = each.error.as_deref().unwrap_or("every ray is ambiguous");
+                let reason = each.no_answer.as_ref().map_or("every ray is ambiguous", |why| &why.error);
                 Some((Verdict::UnexpectedFailure, format!("UNEXPECTED failure {at}: {reason}")))
             }
             Some(wrong) => expected
@@ -140,8 +142,9 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
             text.push_str(&format!(", {what} from {} on: {why}", at.trim_end()));
         }
     };
-    say(measured.iter().find(|each| each.refused), "refused", "too large for the device");
-    say(measured.iter().find(|each| each.unavailable), "unavailable", "the device's limits forbid it");
+    say(measured.iter().find(|each| each.is(|why| why.refused)), "refused", "too large for the device");
+    let unavailable = measured.iter().find(|each| each.is(|why| why.unavailable));
+    say(unavailable, "unavailable", "the device's limits forbid it");
     let unstated = measured.iter().find(|each| each.wrong.is_some() && each.as_expected.is_none());
     say(unstated, "not judged", "no share is stated");
     let beyond = percent(worst(&measured[lost.unwrap_or(measured.len())..], expected.rule));

@@ -6,14 +6,14 @@ mod tests;
 
 use std::collections::BTreeMap;
 
+use itertools::Itertools as _;
 use tracebench_api::ParameterError;
-use tracebench_scenes::Scene;
 
 pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis, with_values};
 
-use crate::measure::{self, Context, MeasureOptions, Measured, Request, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, Measured, RunError, records};
 use crate::plan::{Plan, Resolution, TracerRequest};
-use crate::results::{AxisRecord, PointRecord, Record, SceneRecord, Skipped, SweepRecord, ViewpointRecord};
+use crate::results::{AxisRecord, PointRecord, Record, SceneRecord, Skipped, SweepRecord, ViewpointRecord, place_name};
 
 /// The most points of a sweep: a page has room for no more.
 pub const MAX_POINTS: usize = 128;
@@ -45,22 +45,11 @@ pub enum SweepError {
     TooManyPoints(usize),
 }
 
-/// Where points are measured.
-pub(super) struct PreparedWorkload<'a> {
-    /// Its place in the plan.
-    pub index: usize,
-    /// The plan with the viewpoint.
-    pub plan: &'a Plan,
-    /// The scene.
-    pub scene: Scene,
-    /// How much is done for every point.
-    pub options: MeasureOptions,
-}
-
 /// A sweep that is ready to run.
 pub struct Sweep {
-    /// A configuration for every point, in their order.
     plan: Plan,
+    /// A configuration for every point, in their order.
+    requests: Vec<TracerRequest>,
     record: SweepRecord,
 }
 
@@ -71,49 +60,36 @@ impl Sweep {
     /// [`SweepError`] as its variants say.
     pub fn new(plan: &Plan, axes: Vec<AxisRecord>, grid: bool) -> Result<Self, SweepError> {
         let own: BTreeMap<String, String> = axes.iter().map(|axis| (axis.name.clone(), axis.own.clone())).collect();
-        let mut wanted = vec![own.clone()];
-        if grid {
-            let count = axes.iter().map(|axis| axis.values.len()).product();
-            check_count(count)?;
-            let mut combined = vec![own];
-            for axis in &axes {
-                let with = |point: &BTreeMap<String, String>, value: &String| {
-                    point.clone().into_iter().chain([(axis.name.clone(), value.clone())]).collect()
-                };
-                combined = combined.iter().flat_map(|point| axis.values.iter().map(move |v| with(point, v))).collect();
-            }
-            wanted.extend(combined);
+        let values =
+            |axis: &'_ AxisRecord| axis.values.iter().map(|value| (axis.name.clone(), value.clone())).collect();
+        let values: Vec<Vec<(String, String)>> = axes.iter().map(values).collect();
+        let changed: Vec<Vec<(String, String)>> = if grid {
+            check_count(axes.iter().map(|axis| axis.values.len()).product())?;
+            values.into_iter().multi_cartesian_product().collect()
         } else {
-            for axis in &axes {
-                let with = |value: &String| [(axis.name.clone(), value.clone())];
-                wanted.extend(axis.values.iter().map(|value| own.clone().into_iter().chain(with(value)).collect()));
-            }
-        }
-        let mut sweep = Self {
-            plan: Plan { tracers: Vec::new(), ..plan.clone() },
-            record: SweepRecord { tracer: String::new(), grid, axes, points: Vec::new() },
+            values.into_iter().flatten().map(|one| vec![one]).collect()
         };
-        let Some(request) = plan.tracers.first() else { return Ok(sweep) };
-        sweep.record.tracer = request.name().to_owned();
+        let changed = changed.into_iter().map(|changed| own.clone().into_iter().chain(changed).collect());
+        let wanted: Vec<BTreeMap<String, String>> = std::iter::once(own.clone()).chain(changed).unique().collect();
+        let request = plan.tracers.first();
+        let tracer = request.map_or_else(String::new, |request| request.name().to_owned());
+        let mut sweep = Self {
+            plan: plan.clone(),
+            requests: Vec::new(),
+            record: SweepRecord { tracer, grid, axes, points: Vec::new() },
+        };
         for values in wanted {
-            if sweep.record.points.iter().all(|point| point.values != values) {
-                sweep.add(request, values)?;
-            }
+            let Some(request) = request else { break };
+            let axes = sweep.record.axes.iter();
+            let others =
+                axes.filter(|axis| values[&axis.name] != axis.own).map(|axis| (&axis.name, &values[&axis.name]));
+            let (request, Resolution { frame, face }) = with_values(request, plan.preset, others)?;
+            let parameters = records::json_values(&request.parameters);
+            sweep.record.points.push(PointRecord { values, parameters, frame, face, skipped: BTreeMap::new() });
+            sweep.requests.push(request);
         }
         check_count(sweep.record.points.len())?;
         Ok(sweep)
-    }
-
-    fn add(&mut self, request: &TracerRequest, values: BTreeMap<String, String>) -> Result<(), SweepError> {
-        let others = self.record.axes.iter().filter_map(|axis| {
-            let value = values.get(&axis.name)?;
-            (*value != axis.own).then_some((&axis.name, value))
-        });
-        let (request, Resolution { frame, face }) = with_values(request, self.plan.preset, others)?;
-        let parameters = records::json_values(&request.parameters);
-        self.record.points.push(PointRecord { values, parameters, frame, face, skipped: BTreeMap::new() });
-        self.plan.tracers.push(request);
-        Ok(())
     }
 
     /// The number of points.
@@ -125,34 +101,40 @@ impl Sweep {
     ///
     /// # Errors
     /// As [`measure::execute`].
-    pub fn execute(mut self, required: bool, context: &Context<'_>) -> Result<Record, RunError> {
-        context.check_rays(&self.plan, required)?;
+    pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
+        context.check_rays(&self.plan)?;
         let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
         for (index, scene) in measure::load(&self.plan, context.progress)?.into_iter().enumerate() {
             if context.takes(index) {
-                let (plan, options) = (self.plan.clone(), MeasureOptions::timed(&self.plan));
-                let prepared = PreparedWorkload { index, plan: &plan, scene, options };
-                self.measure(prepared, &|found| found.scene.name.clone(), &mut record, context)?;
+                let (plan, options) = (&self.plan, MeasureOptions::timed(&self.plan));
+                let found = measure::measure_scene(index, plan, scene, &self.requests, options, None, context)?;
+                let name = found.scene.name.clone();
+                self.add(&mut record, found, &name);
             }
         }
         self.finish(record, context)
     }
 
-    /// Measures every point in one place, and gives scene and viewpoint. `place` names it where a point is skipped.
-    pub(super) fn measure(
+    /// Adds what was measured of every point in one place, which names it where a point is skipped.
+    fn add(&mut self, record: &mut Record, found: Measured, place: &str) {
+        for (point, refusal) in measure::add(record, found) {
+            self.record.points[point].skipped.insert(place.to_owned(), refusal.reason);
+        }
+    }
+
+    /// Judges every point from a viewpoint of a plan's only scene, and gives scene and viewpoint. `view`: which of the scene's that is.
+    pub(super) fn judge(
         &mut self,
-        PreparedWorkload { index, plan, scene, options }: PreparedWorkload<'_>,
-        place: &dyn Fn(&Measured) -> String,
-        run: &mut Record,
+        index: usize,
+        plan: &Plan,
+        view: usize,
+        record: &mut Record,
         context: &Context<'_>,
     ) -> Result<(SceneRecord, ViewpointRecord), RunError> {
-        let requests: Vec<Request> = self.plan.tracers.iter().map(Request::of).collect();
-        let found = measure::measure_scene(index, plan, (scene, None), &requests, options, None, context)?;
-        let (told, name) = ((found.scene.clone(), found.viewpoint.clone()), place(&found));
-        for (point, (_, refusal)) in measure::add(run, found) {
-            self.record.points[point].skipped.insert(name.clone(), refusal.reason);
-        }
-        Ok(told)
+        let found = measure::measure_plan(index, plan, &self.requests, MeasureOptions::untimed(), None, context)?;
+        let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
+        self.add(record, found, &place_name(&scene, &viewpoint, view));
+        Ok((scene, viewpoint))
     }
 
     /// The record of what was measured.

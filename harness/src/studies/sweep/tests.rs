@@ -116,7 +116,7 @@ fn swept(own: &str, values: &[&str]) -> Result<Record, RunError> {
     let axes = vec![parameter_axis(&plan.tracers[0], build, Some(&values)).unwrap()];
     let none = Err(TracerError::Unavailable("none is needed".to_owned()));
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
-    Sweep::new(&plan, axes, false).unwrap().execute(false, &Context::new(&none, &cache, &quiet, &journal))
+    Sweep::new(&plan, axes, false).unwrap().execute(&Context::new(&none, &cache, &quiet, &journal))
 }
 
 /// Proves that what found no room beside others is measured alone, in every scene, that what finds none then either is

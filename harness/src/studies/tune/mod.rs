@@ -11,16 +11,16 @@ pub use choice::{choose, interval, score};
 pub use tuning::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
 
 use crate::judge::Rule;
-use crate::measure::{self, Context, MeasureOptions, Measured, RunError, records};
+use crate::measure::{self, Context, RunError, records};
 use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
-use crate::results::{AxisRecord, Record, SampleSchedule, Skipped, TunedScene, TuningRecord, place_name};
-use crate::studies::sweep::{PreparedWorkload, Sweep, SweepError};
+use crate::results::{AxisRecord, Record, SampleSchedule, Skipped, TunedScene, TuningRecord};
+use crate::studies::sweep::{Sweep, SweepError};
 
 /// A parameter of a plan's only tracer, to be tuned.
 pub struct Tune {
     plan: Plan,
     request: TracerRequest,
-    axis: AxisRecord,
+    sweep: Sweep,
     rule: Rule,
 }
 
@@ -35,8 +35,8 @@ impl Tune {
             preset: RunPreset { sampling: SampleSchedule::rounds(1), ..plan.preset },
             ..plan.clone()
         };
-        Sweep::new(&plan, vec![axis.clone()], false)?;
-        Ok(Self { plan, request: request.clone(), axis, rule })
+        let sweep = Sweep::new(&plan, vec![axis], false)?;
+        Ok(Self { plan, request: request.clone(), sweep, rule })
     }
 
     /// Judges every value in every scene from both viewpoints: all values of a scene and viewpoint over the same rays, by one
@@ -44,30 +44,18 @@ impl Tune {
     ///
     /// # Errors
     /// [`RunError`] as its variants say.
-    pub fn execute(self, context: &Context<'_>) -> Result<Record, RunError> {
+    pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
         // What is wrong with the last scene is said before the first is measured.
         drop(measure::load(&self.plan, context.progress)?);
-        context.check_rays(&self.plan, self.request.must_have_device())?;
-        // Looked at when this was made: it cannot fail.
-        let sweep = Sweep::new(&self.plan, vec![self.axis.clone()], false);
-        let mut sweep = sweep.map_err(|error| RunError::Nothing(error.to_string()))?;
+        context.check_rays(&self.plan)?;
         let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
         let mut scenes: Vec<TunedScene> = Vec::new();
         for (index, source) in self.plan.scenes.iter().enumerate().filter(|(index, _)| context.takes(*index)) {
             let own = &self.plan.view;
             for (view, request) in [own.clone(), ViewRequest::Other(Box::new(own.clone()))].into_iter().enumerate() {
                 let plan = Plan { scenes: vec![source.clone()], view: request, ..self.plan.clone() };
-                let Some(scene) = measure::load(&plan, context.progress)?.pop() else { continue };
                 let before = record.rows.len();
-                let spot = PreparedWorkload {
-                    index: 2 * index + view,
-                    plan: &plan,
-                    scene,
-                    options: MeasureOptions::untimed(),
-                };
-                let place = |found: &Measured| place_name(&found.scene, &found.viewpoint, view);
-                let found = sweep.measure(spot, &place, &mut record, context);
-                match found {
+                match self.sweep.judge(2 * index + view, &plan, view, &mut record, context) {
                     Ok((scene, viewpoint)) if record.rows.len() > before => {
                         match scenes.last_mut().filter(|_| view > 0) {
                             Some(last) => last.viewpoints.push(viewpoint),
@@ -87,6 +75,6 @@ impl Tune {
         }
         let tracer = records::request_record(&self.request);
         record.tuning = Some(TuningRecord { tracer, rule: self.rule, scenes });
-        sweep.finish(record, context)
+        self.sweep.finish(record, context)
     }
 }
