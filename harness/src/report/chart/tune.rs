@@ -13,7 +13,7 @@ use crate::report::format;
 use crate::report::tune::{Errors, score_name, trials};
 use crate::report::verdict::{self, Verdict};
 use crate::statistics::wilson;
-use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval, score};
+use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ViewTuned, accuracy};
 
 const PLOT_HEIGHT: f64 = 220.0;
 /// The most characters of a viewpoint's name in a panel's title.
@@ -170,8 +170,9 @@ fn error_panel(tuning: &Tuning, rays: &str, (view, set, whose): OfView<'_>, styl
 
 fn score_panel(tuning: &Tuning, rays: &str, views: &[OfView<'_>], styles: &Styles) -> Panel {
     let percent = |_: &SetTuned, judged: &Judged| {
-        let share = score(&judged.judgement, tuning.rule)?;
-        let interval = interval(&judged.judgement, tuning.rule).unwrap_or([share; 2]);
+        let right = accuracy(&judged.judgement, tuning.rule)?;
+        let share = right.share?;
+        let interval = right.interval.unwrap_or([share; 2]);
         Some(Measured { value: share * 100.0, interval: interval.map(|end| end * 100.0) })
     };
     let of = |(order, (_, set, whose)): (usize, &OfView<'_>)| {
@@ -185,7 +186,7 @@ fn score_panel(tuning: &Tuning, rays: &str, views: &[OfView<'_>], styles: &Style
     let mut controls: Vec<Control> = Vec::new();
     for control in views.iter().flat_map(|(view, ..)| &view.controls) {
         for trace in control.traces.iter().filter(|trace| trace.rays == rays) {
-            let Some(share) = score(&trace.judgement, tuning.rule) else { continue };
+            let Some(share) = accuracy(&trace.judgement, tuning.rule).and_then(|of| of.share) else { continue };
             let named = level(control.tracer.label(), share * 100.0);
             if !controls.contains(&named) {
                 controls.push(named);
@@ -280,7 +281,7 @@ mod tests {
             let set = &made.scenes[0].views[view].sets[0];
             assert_eq!(height, set.choices[choice].score.unwrap() * 100.0);
             let other = set_of(&made.scenes[0].views[1 - view], "diffuse").unwrap();
-            let theirs = score(&other.judged(&made.axis.values[place]).unwrap().judgement, made.rule).unwrap() * 100.0;
+            let theirs = other.score(&made.axis.values[place], made.rule).unwrap() * 100.0;
             assert_eq!(by > 0.0, height > theirs);
         }
         // Two of one value stand one beyond the other, and a line leads to each.

@@ -10,7 +10,7 @@ use super::tables::Placed;
 use super::{Report, ReportError, Tables, rows};
 use crate::judge::Rule;
 use crate::results::{Judgement, Record};
-use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, score};
+use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning};
 
 /// The page.
 pub const TUNE_PAGE: &str = "tune.md";
@@ -28,7 +28,7 @@ pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> 
     };
     let lost_to = |label: Label| {
         let rule = tuning.rule;
-        let lost = move |(set, value): &Tried<'_>| Some(set.choice(label)?.score? - score_at(set, value, rule)?);
+        let lost = move |(set, value): &Tried<'_>| Some(set.choice(label)?.score? - set.score(value, rule)?);
         Column::csv(format!("lost_to_{}_share", code(label)), lost)
     };
     let own = Sheet::new().with(Label::ALL.map(is_chosen).into()).with(Label::ALL.map(lost_to).into());
@@ -118,9 +118,4 @@ pub(in crate::report) fn score_name(set: &SetTuned, rule: Rule) -> String {
         tracebench_api::Query::Closest => format!("agreement {}", rule.name()),
         tracebench_api::Query::Any => "balanced accuracy".to_owned(),
     }
-}
-
-/// A value's score on a set.
-fn score_at(set: &SetTuned, value: &str, rule: Rule) -> Option<f64> {
-    score(&set.judged(value)?.judgement, rule)
 }

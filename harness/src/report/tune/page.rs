@@ -3,7 +3,7 @@
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
-use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
+use super::{Errors, chart_stems, labels_of, score_name, trials};
 use crate::report::chart::{self, Drawing};
 use crate::report::document::Document;
 use crate::report::format::{self, points, significant, thousands};
@@ -11,7 +11,7 @@ use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{metrics, summary, verdict};
 use crate::results::Judgement;
-use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
+use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, accuracy};
 
 /// The whole page.
 pub(super) fn page(tuning: &Tuning) -> Document {
@@ -106,9 +106,9 @@ fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> Option<String> {
     if let Some(why) = judgement.and_then(Judgement::one_sided) {
         return Some(format!("{value}: {why}"));
     }
-    let share = judgement
-        .zip(choice.score)
-        .map(|(judged, score)| Cell::Share(score, interval(judged, tuning.rule), trials(set, judged)));
+    let interval = |judged: &Judgement| accuracy(judged, tuning.rule)?.interval;
+    let share =
+        judgement.zip(choice.score).map(|(judged, score)| Cell::Share(score, interval(judged), trials(set, judged)));
     Some(format!("{value}: {}", Cell::from(share).describe()))
 }
 
@@ -118,8 +118,9 @@ fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> Option<Stri
     let loss = *own.lost_to.get(&to)?;
     let judgement = |choice: &Choice| Some(&set.judged(choice.value.as_deref()?)?.judgement);
     let trials = trials(set, judgement(own)?);
-    let ends = interval(judgement(own)?, tuning.rule).zip(interval(judgement(other)?, tuning.rule));
-    let apart = ends.is_some_and(|([low, high], [least, most])| high < least || most < low);
+    let interval = |choice: &Choice| accuracy(judgement(choice)?, tuning.rule)?.interval;
+    let apart =
+        interval(own).zip(interval(other)).is_some_and(|([low, high], [least, most])| high < least || most < low);
     let text = points(loss, trials);
     Some(if apart { format!("**{text}**") } else { text })
 }
@@ -167,7 +168,7 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> Do
             let mut labels: Vec<&str> = labels_of(set, &value.value).into_iter().map(Label::name).collect();
             if value.judged.is_none() {
                 labels.push("skipped, see below");
-            } else if score_at(set, &value.value, tuning.rule).is_none() {
+            } else if set.score(&value.value, tuning.rule).is_none() {
                 let one_sided = set.judged(&value.value).and_then(|judged| judged.judgement.one_sided());
                 labels.push(one_sided.unwrap_or("not judged: every ray is ambiguous"));
             }

@@ -90,8 +90,8 @@ impl Transfer<'_> {
 impl<'a> Step<'a> {
     /// The share of rays that are rightly answered by the curve's rule, with its interval; none where nothing was judged.
     pub fn right(&self) -> Option<(f64, [f64; 2])> {
-        let trace = self.trace?;
-        Some((tune::score(&trace.judgement, self.rule)?, tune::interval(&trace.judgement, self.rule)?))
+        let right = tune::accuracy(&self.trace?.judgement, self.rule)?;
+        right.share.zip(right.interval)
     }
 
     /// Newly wrong less newly right rays, a share with its 95 % interval.

@@ -14,7 +14,7 @@ use tracebench_api::{Domain, Invalidation, ParameterDescription, Preset, Value};
 use crate::measure::records;
 use crate::plan::{Resolution, RunPreset, TracerRequest};
 use crate::results::{FrontPoint, MEMORY_ACCESS, RAYS_PER_LANE};
-use crate::studies::sweep::{Multiple, RESOLUTION, SweepError, with_values};
+use crate::studies::sweep::{Multiple, RESOLUTION, SweepError, place, with_values};
 
 /// Multiples of the resolution, from the nearest to the preset's outwards.
 const RESOLUTIONS: [&str; 4] = ["1/2", "2", "1/4", "1/8"];
@@ -77,23 +77,11 @@ fn parameter_steps(request: &TracerRequest, described: &ParameterDescription) ->
     let own = request.parameters.value(described.name).unwrap_or(&described.published);
     let mut values: Vec<&Value> = described.sweep.iter().filter(|value| *value != own).collect();
     if let Domain::Integer { .. } | Domain::Real { .. } = described.domain {
-        let number = |value: &Value| match value {
-            Value::Integer(number) => *number as f64,
-            Value::Real(number) => *number,
-            Value::Choice(_) => f64::NAN,
-        };
-        values.sort_by(|a, b| number(a).total_cmp(&number(b)));
-        let below = values.iter().filter(|value| number(value) < number(own)).count();
-        let (low, high) = values.split_at(below);
-        let mut outwards = Vec::new();
-        let (mut low, mut high) = (low.iter().rev(), high.iter());
-        loop {
-            match (low.next(), high.next()) {
-                (None, None) => break,
-                (down, up) => outwards.extend(down.into_iter().chain(up).copied()),
-            }
-        }
-        values = outwards;
+        values.sort_by(|a, b| place(described, a).total_cmp(&place(described, b)));
+        let (mut low, high): (Vec<_>, Vec<_>) =
+            values.into_iter().partition(|value| place(described, value) < place(described, own));
+        low.reverse();
+        values = in_turn(vec![low, high]);
     }
     values.into_iter().map(ToString::to_string).collect()
 }
@@ -138,7 +126,7 @@ fn in_turn<T>(lists: Vec<Vec<T>>) -> Vec<T> {
 /// At most so many points for every tracer of some requests, each once; requests of one tracer share them.
 ///
 /// # Errors
-/// [`SweepError::Parameter`] for a value that a parameter does not take.
+/// [`SweepError`] for a value that a parameter does not take, or edges that would be no whole pixels.
 pub fn points(requests: &[TracerRequest], preset: RunPreset, most: usize) -> Result<Vec<Designed>, SweepError> {
     let mut points = Vec::new();
     for name in requests.iter().map(TracerRequest::name).unique() {
@@ -151,42 +139,22 @@ pub fn points(requests: &[TracerRequest], preset: RunPreset, most: usize) -> Res
             if given.len() == most {
                 break;
             }
-            let designed = design(request, preset, values, given.len() as u32)?;
-            let same = |other: &Designed| {
-                let (ours, theirs) = (&designed.point, &other.point);
-                (&ours.parameters, ours.frame, ours.face) == (&theirs.parameters, theirs.frame, theirs.face)
+            let (changed, Resolution { frame, face }) = with_values(request, preset, &values)?;
+            let parameters = records::json_values(&changed.parameters);
+            let same = |Designed { point, .. }: &Designed| {
+                (&point.parameters, point.frame, point.face) == (&parameters, frame, face)
             };
-            if !given.iter().any(same) {
-                given.push(designed);
+            if given.iter().any(same) {
+                continue;
             }
+            let (tracer, preset) = (name.to_owned(), request.preset.name().to_owned());
+            let (order, skipped) = (given.len() as u32, BTreeMap::new());
+            let point = FrontPoint { tracer, preset, order, values, parameters, frame, face, skipped };
+            given.push(Designed { request: changed, point });
         }
         points.extend(given);
     }
     Ok(points)
-}
-
-/// A request with other values.
-///
-/// # Errors
-/// [`SweepError`] for a value that a parameter does not take, or edges that would be no whole pixels.
-pub fn design(
-    request: &TracerRequest,
-    preset: RunPreset,
-    values: BTreeMap<String, String>,
-    order: u32,
-) -> Result<Designed, SweepError> {
-    let (changed, Resolution { frame, face }) = with_values(request, preset, &values)?;
-    let point = FrontPoint {
-        tracer: request.name().to_owned(),
-        preset: request.preset.name().to_owned(),
-        order,
-        values,
-        parameters: records::json_values(&changed.parameters),
-        frame,
-        face,
-        skipped: BTreeMap::new(),
-    };
-    Ok(Designed { request: changed, point })
 }
 
 #[cfg(test)]

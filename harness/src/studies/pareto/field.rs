@@ -151,9 +151,8 @@ pub struct Wrong {
 impl Wrong {
     /// Of a trace; `None` if nothing could be judged.
     pub fn of(trace: &TraceRecord, by: By) -> Option<Self> {
-        let value = tune::score(&trace.judgement, by.rule())?;
-        let interval = tune::interval(&trace.judgement, by.rule()).unwrap_or([value; 2]);
-        Some(Self { share: Amount { value, interval }.rest(), bound: bound(trace) })
+        let share = tune::accuracy(&trace.judgement, by.rule())?.wrong_share()?;
+        Some(Self { share, bound: bound(trace) })
     }
 
     /// The share as it is drawn and compared with others: not below what can be told from none.

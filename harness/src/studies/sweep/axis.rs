@@ -1,7 +1,5 @@
 //! What can be swept: any parameter of a tracer, and the resolution of what it takes its views from.
 
-use std::cmp::Ordering;
-
 use tracebench_api::{Domain, ParameterDescription, ParameterError, Value};
 
 use super::SweepError;
@@ -129,7 +127,7 @@ pub fn parameter_axis(
         return Err(SweepError::NothingToSweep(described.name.to_owned()));
     }
     all.push(own.clone());
-    all.sort_by(|a, b| order(described, a, b));
+    all.sort_by(|a, b| place(described, a).total_cmp(&place(described, b)));
     all.dedup();
     whole(AxisRecord {
         name: described.name.to_owned(),
@@ -140,17 +138,16 @@ pub fn parameter_axis(
     })
 }
 
-/// Numbers by size, choices as the description has them.
-fn order(described: &ParameterDescription, a: &Value, b: &Value) -> Ordering {
-    let place = |value: &Value| match (value, described.domain) {
+/// Where a value stands: numbers by size, choices as the description has them.
+pub fn place(described: &ParameterDescription, value: &Value) -> f64 {
+    match (value, described.domain) {
         (Value::Integer(number), _) => *number as f64,
         (Value::Real(number), _) => *number,
         (Value::Choice(name), Domain::Choice(names)) => {
             names.iter().position(|each| each == name).map_or(f64::MAX, |place| place as f64)
         }
         (Value::Choice(_), _) => f64::MAX,
-    };
-    place(a).total_cmp(&place(b))
+    }
 }
 
 fn whole(axis: AxisRecord) -> Result<AxisRecord, SweepError> {

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use itertools::Itertools as _;
 use tracebench_api::ParameterError;
 
-pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis, with_values};
+pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, place, resolution_axis, with_values};
 
 use crate::measure::{self, Context, MeasureOptions, Measured, RunError, records};
 use crate::plan::{Plan, Resolution, TracerRequest};

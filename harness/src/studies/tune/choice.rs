@@ -4,32 +4,14 @@ use std::collections::BTreeMap;
 
 use super::tuning::{Choice, Label, SceneTuned, SetTuned};
 use crate::judge::Rule;
-use crate::results::Judgement;
+use crate::results::{Accuracy, Judgement};
 
-/// The share of right answers by a rule, of any-hit sets the balanced accuracy; `None` if nothing was judged
-/// or shares say nothing.
-pub fn score(judgement: &Judgement, rule: Rule) -> Option<f64> {
-    let share = match (judgement, rule) {
-        (Judgement::Any(any), _) => any.occlusion.balanced_accuracy,
-        (Judgement::Closest(closest), Rule::HitMiss) => closest.agreement.hit_miss,
-        (Judgement::Closest(closest), Rule::Tight) => closest.agreement.tight,
-        (Judgement::Closest(closest), Rule::Footprint) => closest.agreement.footprint,
-    };
-    share.filter(|share| share.is_finite() && judgement.one_sided().is_none())
-}
-
-/// The interval of [`score`].
-pub fn interval(judgement: &Judgement, rule: Rule) -> Option<[f64; 2]> {
-    match (judgement, rule) {
-        (Judgement::Any(any), _) => any.occlusion.balanced_accuracy_interval,
-        (Judgement::Closest(closest), Rule::HitMiss) => closest.interval.hit_miss,
-        (Judgement::Closest(closest), Rule::Tight) => closest.interval.tight,
-        (Judgement::Closest(closest), Rule::Footprint) => closest.interval.footprint,
-    }
-}
-
-fn score_of(set: &SetTuned, value: &str, rule: Rule) -> Option<f64> {
-    score(&set.judged(value)?.judgement, rule)
+/// How often answers are right by a rule, of any-hit sets the balanced accuracy; `None` if nothing was judged or shares say nothing.
+pub fn accuracy(judgement: &Judgement, rule: Rule) -> Option<Accuracy> {
+    let all = judgement.accuracies(0);
+    // Of any-hit sets there is one.
+    let found = all.get(rule as usize).or(all.first()).copied();
+    found.filter(|of| of.share.is_some_and(f64::is_finite) && of.one_sided.is_none())
 }
 
 /// The value with the greatest mean score over ray sets, of those that were judged in all of them; of equal ones that nearest
@@ -37,7 +19,7 @@ fn score_of(set: &SetTuned, value: &str, rule: Rule) -> Option<f64> {
 fn best<'a>(sets: &[&'a SetTuned], rule: Rule) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for each in &sets.first()?.values {
-        let scores: Option<Vec<f64>> = sets.iter().map(|set| score_of(set, &each.value, rule)).collect();
+        let scores: Option<Vec<f64>> = sets.iter().map(|set| set.score(&each.value, rule)).collect();
         let Some(scores) = scores else { continue };
         let mean = scores.iter().sum::<f64>() / scores.len() as f64;
         let is_nearer = |to: &str| size(&each.value) < size(to);
@@ -55,7 +37,7 @@ fn size(value: &str) -> f64 {
 
 /// Whether anything of a set was judged: one of nothing but ambiguous rays has no say.
 fn has_scores(set: &SetTuned, rule: Rule) -> bool {
-    set.values.iter().any(|each| score_of(set, &each.value, rule).is_some())
+    set.values.iter().any(|each| set.score(&each.value, rule).is_some())
 }
 
 /// A viewpoint's ray set of a name.
@@ -97,7 +79,7 @@ pub fn choose(scenes: &mut [SceneTuned], default: &str, rule: Rule) {
 fn choices<'a>(set: &SetTuned, rule: Rule, value: impl Fn(Label) -> Option<&'a str>) -> Vec<Choice> {
     let scored = Label::ALL.map(|label| {
         let value = value(label);
-        (label, value, value.and_then(|value| score_of(set, value, rule)))
+        (label, value, value.and_then(|value| set.score(value, rule)))
     });
     let choice = |&(label, value, score): &(Label, Option<&str>, Option<f64>)| {
         let others = scored.iter().filter(|(other, ..)| *other != label);

@@ -7,7 +7,7 @@ mod choice;
 mod tests;
 mod tuning;
 
-pub use choice::{choose, interval, score};
+pub use choice::{accuracy, choose};
 pub use tuning::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
 
 use crate::judge::Rule;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use tracebench_api::{Query, named};
 
-use super::choice::choose;
+use super::choice::{accuracy, choose};
 use crate::judge::Rule;
 use crate::results::{
     AxisRecord, Judgement, Provenance, Record, Row, SceneRecord, Skipped, SweepRecord, TraceRecord, TracerRecord,
@@ -193,6 +193,11 @@ impl SetTuned {
     /// What was judged of a value.
     pub fn judged(&self, value: &str) -> Option<&Judged> {
         self.values.iter().find(|each| each.value == value)?.judged.as_ref()
+    }
+
+    /// How often a value is right by a rule, if that says anything.
+    pub fn score(&self, value: &str, rule: Rule) -> Option<f64> {
+        accuracy(&self.judged(value)?.judgement, rule)?.share
     }
 
     /// The choice of a label.
