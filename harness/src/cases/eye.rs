@@ -1,39 +1,35 @@
 //! Cases about where the eye stands.
 
 use glam::{DVec3, Vec3, dvec3};
-use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, CaseRays, RAYS, Sketch, Stage};
-use super::{Case, Feature, Probe, Setup, turned};
+use super::sketch::{Camera, RAYS, Sketch};
+use super::{Case, Feature, Probe, turned};
 
 pub(super) const INSIDE: Case = Case {
     name: "eye-inside-object",
     summary: "the eye within a closed shell ever smaller than the scene; half of the rays start outside of it",
     difficulty_parameter: turned("shell radius", "diagonals", &[0.2, 0.05, 0.01, 0.004]),
+    seed: 10,
     make: inside,
     feature: Feature::of("hit the shell within a hundredth of the diagonal", 0.3, |probe, index| {
         probe.hit(index).is_some_and(|hit| hit.t < 0.01 * probe.truth.diagonal())
     }),
 };
 
-fn inside(radius: f64) -> Result<Setup, TracerError> {
-    let mut sketch = Sketch::default();
-    let mut rays_made = CaseRays::new(10);
+fn inside(sketch: &mut Sketch, radius: f64) {
     sketch.widen([DVec3::splat(-2.0), DVec3::splat(2.0)]);
     let radius = radius * 48.0_f64.sqrt();
-    sketch.sphere(DVec3::ZERO, radius, 6, || true);
+    sketch.sphere(DVec3::ZERO, radius, 6, |_| true);
     for index in 0..30 {
         let place = dvec3(f64::from(index % 6) * 0.36 - 0.9, f64::from(index / 6) * 0.42 - 0.84, -1.9);
         sketch.plate_around(place, dvec3(0.12, 0.0, 0.02), dvec3(0.0, 0.14, -0.03));
     }
-    let stage = sketch.seen_by(Camera::default())?;
-    rays_made.through_centres(&stage.view, RAYS / 2);
+    sketch.through_centres(RAYS / 2);
     for _ in 0..RAYS / 2 {
-        let target = dvec3(rays_made.signed(), rays_made.signed(), -1.9);
-        let origin = target * 0.8 + 0.05 * rays_made.point();
-        rays_made.towards(origin, target);
+        let target = dvec3(sketch.signed(), sketch.signed(), -1.9);
+        let origin = target * 0.8 + 0.05 * sketch.point();
+        sketch.towards(origin, target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// Nearer to the eye than the near distance that viewpoints get.
@@ -46,74 +42,75 @@ pub(super) const ON_SURFACE: Case = Case {
     name: "eye-on-surface",
     summary: "the eye ever closer above a floor",
     difficulty_parameter: turned("height", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 1e-5]),
+    seed: 11,
     make: on_surface,
     feature: Feature::of("hit the floor before near", 0.2, before_near),
 };
 
-fn on_surface(height: f64) -> Result<Setup, TracerError> {
-    let mut sketch = Sketch::default();
+fn on_surface(sketch: &mut Sketch, height: f64) {
     // A slanted floor, 2 by 2: what is close to the eye has no special coordinates.
     let (along, upward) = (dvec3(1.0, 0.02, 0.0), dvec3(0.0, 0.05, -1.0));
     let normal = along.cross(upward).normalize();
     let floor = -normal * (height * 8.0_f64.sqrt());
     sketch.plate_around(floor, along, upward);
-    sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(11))
 }
 
 pub(super) const AT_VERTEX: Case = Case {
     name: "eye-at-vertex",
     summary: "the eye ever closer to the tip of a cone that points at it",
     difficulty_parameter: turned("distance", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 1e-5]),
+    seed: 12,
     make: at_vertex,
     feature: Feature::of("hit the cone before near", 0.2, before_near),
 };
 
-fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
+fn at_vertex(sketch: &mut Sketch, distance: f64) {
     const SIDES: u32 = 9;
     let tip = dvec3(0.0, 0.0, -distance * 2.5);
     let rim = |side: u32| {
         let (sine, cosine) = (std::f64::consts::TAU * f64::from(side % SIDES) / f64::from(SIDES)).sin_cos();
         tip + dvec3(0.5 * cosine, 0.5 * sine, -1.0)
     };
-    let mut sketch = Sketch::default();
     for side in 0..SIDES {
         sketch.triangle([tip, rim(side), rim(side + 1)]);
     }
     // Keeps the diagonal at about 2.5 and gives rays beside the cone something to hit.
     sketch.plate(dvec3(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
     sketch.speck(dvec3(0.6, 1.0, -0.5));
-    sketch.seen_by(Camera::default())?.through_centres(CaseRays::new(12))
 }
 
 pub(super) const BEFORE_NEAR: Case = Case {
     name: "before-near",
     summary: "a plate before half of the view, at last nearer than near",
     difficulty_parameter: turned("depth", "near distances", &[10.0, 1.5, 0.75, 0.25, 0.01]),
+    seed: 13,
     make: nearer_than_near,
     feature: Feature::of("hit what is nearer than near", 0.2, before_near),
 };
 
-fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
+fn nearer_than_near(sketch: &mut Sketch, depth: f64) {
     const NEAR: f64 = 0.004;
     let depth = depth * NEAR;
-    let mut sketch = Sketch::default();
     sketch.plate(dvec3(-0.8, -0.4, -1.0) * depth, dvec3(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
     sketch.plate(dvec3(-1.1, -1.3, -3.0), dvec3(1.9, 0.0, 0.1), dvec3(0.0, 1.7, 0.2));
-    sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(CaseRays::new(13))
+    sketch.camera.near = Some(NEAR as f32);
 }
 
 pub(super) const DEPTH_RANGE: Case = Case {
     name: "depth-range",
     summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
     difficulty_parameter: turned("range", "decades of depth", &[1.0, 2.0, 4.0, 6.0, 8.0]),
-    make: depth_range,
+    seed: 15,
+    make: |sketch, decades| {
+        plates_by_decade(sketch, decades);
+    },
     feature: Feature::of("hit at less than a hundred-thousandth of the greatest depth", 0.15, |probe, index| {
         probe.point(index).is_some_and(|point| -point.z < 1e-5 * probe.view().far)
     }),
 };
 
 /// A plate a decade of depth side by side in one view: corner, and the two edges that start there.
-fn plates_by_decade(decades: f64) -> Vec<[DVec3; 3]> {
+fn plates_by_decade(sketch: &mut Sketch, decades: f64) -> Vec<[DVec3; 3]> {
     let plates = decades as i32 + 1;
     let width = 1.1 / f64::from(plates);
     let plate = |plate: i32| {
@@ -121,25 +118,17 @@ fn plates_by_decade(decades: f64) -> Vec<[DVec3; 3]> {
         let edges = [corner, DVec3::X * (0.9 * width), dvec3(0.0, 0.75, 0.2)];
         edges.map(|each| each * (1e-3 * 10_f64.powi(plate)))
     };
-    (0..plates).map(plate).collect()
-}
-
-fn seen_by_decade(plates: &[[DVec3; 3]]) -> Result<Stage, TracerError> {
-    let mut sketch = Sketch::default();
-    for [corner, along, upward] in plates {
-        sketch.plate(*corner, *along, *upward);
-    }
-    sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })
-}
-
-fn depth_range(decades: f64) -> Result<Setup, TracerError> {
-    seen_by_decade(&plates_by_decade(decades))?.through_centres(CaseRays::new(15))
+    let plates: Vec<[DVec3; 3]> = (0..plates).map(plate).collect();
+    plates.iter().for_each(|[corner, along, upward]| sketch.plate(*corner, *along, *upward));
+    sketch.camera.near = Some(5e-4);
+    plates
 }
 
 pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
     name: "secondary-depth-ratio",
     summary: "rays from surfaces to deeper ones, in a view whose depths are ten times as deep from plate to plate",
     difficulty_parameter: turned("range", "decades of depth", &[1.0, 2.0, 4.0, 6.0, 8.0]),
+    seed: 27,
     make: secondary_depth_ratio,
     feature: Feature::of("start at less than a hundred-thousandth of the depth of their hit", 0.12, |probe, index| {
         let start = probe.ray(index).origin[2];
@@ -150,35 +139,33 @@ pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
 /// The plates that rays start on: so far apart are they from the deepest.
 const STARTED_ON: f64 = 3.0;
 
-fn secondary_depth_ratio(decades: f64) -> Result<Setup, TracerError> {
-    let plates = plates_by_decade(decades);
-    let stage = seen_by_decade(&plates)?;
-    let mut rays_made = CaseRays::new(27);
+fn secondary_depth_ratio(sketch: &mut Sketch, decades: f64) {
+    let plates = plates_by_decade(sketch, decades);
     let deepest = plates.len() - 1;
     for index in 0..RAYS {
         // Of starts that are deeper ulps are as large as near plates, which truth could not tell.
-        let from = (rays_made.unit() * STARTED_ON.min(deepest as f64)) as usize;
-        let to = from + 1 + (rays_made.unit() * (deepest - from) as f64) as usize;
-        let on = |[corner, along, upward]: [DVec3; 3], rays_made: &mut CaseRays| {
-            corner + along * (0.1 + 0.8 * rays_made.unit()) + upward * (0.1 + 0.8 * rays_made.unit())
+        let from = (sketch.unit() * STARTED_ON.min(deepest as f64)) as usize;
+        let to = from + 1 + (sketch.unit() * (deepest - from) as f64) as usize;
+        let on = |[corner, along, upward]: [DVec3; 3], sketch: &mut Sketch| {
+            corner + along * (0.1 + 0.8 * sketch.unit()) + upward * (0.1 + 0.8 * sketch.unit())
         };
-        let (start, target) = (on(plates[from], &mut rays_made), on(plates[to], &mut rays_made));
+        let (start, target) = (on(plates[from], sketch), on(plates[to], sketch));
         // Off the surface, on the side away from the eye, by more than ties are told by.
         let lifted = start + DVec3::NEG_Z * (0.05 * start.z.abs());
         if index % 4 == 0 {
-            let aside = rays_made.direction();
-            rays_made.towards(lifted, lifted + dvec3(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
+            let aside = sketch.direction();
+            sketch.towards(lifted, lifted + dvec3(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
         } else {
-            rays_made.towards(lifted, target);
+            sketch.towards(lifted, target);
         }
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const PLANE_THROUGH_EYE: Case = Case {
     name: "plane-through-eye",
     summary: "a ground along the world's axes that the eye sinks into: edge-on to the eye, and to every face along it; rays above it, up and down",
     difficulty_parameter: turned("height over the ground", "diagonals", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
+    seed: 22,
     make: plane_through_eye,
     feature: Feature::of("hit a plane that holds the eye", 0.3, |probe, index| {
         let eye = probe.setup.viewpoint.eye;
@@ -186,23 +173,20 @@ pub(super) const PLANE_THROUGH_EYE: Case = Case {
     }),
 };
 
-fn plane_through_eye(height: f64) -> Result<Setup, TracerError> {
-    let mut rays_made = CaseRays::new(22);
-    let mut sketch = Sketch::default();
+fn plane_through_eye(sketch: &mut Sketch, height: f64) {
     // Not square, so that no edge between its triangles passes below the eye.
     sketch.plate(dvec3(-4.0, 0.0, 3.0), DVec3::X * 9.0, DVec3::NEG_Z * 8.0);
     for _ in 0..12 {
-        let centre = dvec3(3.0 * rays_made.signed(), 0.3 + rays_made.unit(), -1.0 + 2.5 * rays_made.signed());
+        let centre = dvec3(3.0 * sketch.signed(), 0.3 + sketch.unit(), -1.0 + 2.5 * sketch.signed());
         sketch.plate_around(centre, DVec3::X * 0.25, dvec3(0.0, 0.1, 0.25));
     }
     let diagonal = dvec3(9.0, 1.4, 8.0).length();
     let eye = Vec3::new(0.0, (height * diagonal) as f32, 0.0);
-    let stage = sketch.seen_by(Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() })?;
+    sketch.camera = Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() };
     for index in 0..RAYS {
-        let origin = dvec3(3.0 * rays_made.signed(), 0.2 + 1.5 * rays_made.unit(), -1.0 + 3.0 * rays_made.signed());
+        let origin = dvec3(3.0 * sketch.signed(), 0.2 + 1.5 * sketch.unit(), -1.0 + 3.0 * sketch.signed());
         let fall = if index % 4 == 0 { 0.5 } else { -1.5 };
-        let target = origin + dvec3(2.0 * rays_made.signed(), fall, 2.0 * rays_made.signed());
-        rays_made.towards(origin, target);
+        let target = origin + dvec3(2.0 * sketch.signed(), fall, 2.0 * sketch.signed());
+        sketch.towards(origin, target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }

@@ -1,15 +1,16 @@
 //! Cases about what image-space structures are made of: pixels, cells, faces, and rays in special positions to them.
 
-use glam::{DVec3, Vec3, dvec3};
-use tracebench_api::{Query, TracerError, View, Viewpoint};
+use glam::{DVec3, dvec3};
+use tracebench_api::{View, Viewpoint};
 
-use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch, Stage};
-use super::{Case, Feature, Probe, Setup, turned};
+use super::sketch::{Camera, PIXEL, RAYS, Sketch};
+use super::{Case, Feature, turned};
 
 pub(super) const CUBE_BORDERS: Case = Case {
     name: "cube-borders",
     summary: "rays from the eye and near it along the edges and corners between cube faces, onto a torn sphere",
     difficulty_parameter: turned("off the border", "parts of the distance", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
+    seed: 14,
     make: cube_borders,
     feature: Feature::of("run along a face's border", 0.9, |probe, index| {
         let direction = probe.ray(index).direction.abs();
@@ -19,47 +20,42 @@ pub(super) const CUBE_BORDERS: Case = Case {
     }),
 };
 
-fn cube_borders(off: f64) -> Result<Setup, TracerError> {
-    let mut rays_made = CaseRays::new(14);
-    let mut sketch = Sketch::default();
-    sketch.sphere(DVec3::ZERO, 2.0, 12, || rays_made.unit() < 0.75);
-    let camera = Camera { vertical_fov: 2.0, ..Camera::default() };
-    let stage = sketch.seen_by(camera)?;
+fn cube_borders(sketch: &mut Sketch, off: f64) {
+    sketch.sphere(DVec3::ZERO, 2.0, 12, |numbers| numbers.unit() < 0.75);
+    sketch.camera.vertical_fov = 2.0;
     for index in 0..RAYS {
         let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
-        let corner = dvec3(sign(rays_made.signed()), sign(rays_made.signed()), sign(rays_made.signed()));
+        let corner = dvec3(sign(sketch.signed()), sign(sketch.signed()), sign(sketch.signed()));
         let border = match index % 4 {
             0 => corner,
             // Anywhere on the border between two faces.
             axis => {
                 let along = [DVec3::X, DVec3::Y, DVec3::Z][axis - 1];
-                corner - along * corner.dot(along) + along * rays_made.signed()
+                corner - along * corner.dot(along) + along * sketch.signed()
             }
         };
         let origin = if index % 3 == 0 { border.as_vec3().as_dvec3() * 0.25 } else { DVec3::ZERO };
-        let target = origin + border + rays_made.point() * off;
-        rays_made.towards(origin, target);
+        let target = origin + border + sketch.point() * off;
+        sketch.towards(origin, target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
-/// Plates in all depths, in view of the default camera.
-fn plates(stage_of: Camera, rays_made: &mut CaseRays, width: f64, height: f64) -> Result<Stage, TracerError> {
-    let mut sketch = Sketch::default();
+/// Plates in all depths.
+fn plates(sketch: &mut Sketch, width: f64, height: f64) {
     for _ in 0..24 {
-        let depth = 2.0 + 3.0 * rays_made.unit();
-        let centre = dvec3(rays_made.signed() * width, rays_made.signed() * height, -1.0) * depth;
+        let depth = 2.0 + 3.0 * sketch.unit();
+        let centre = dvec3(sketch.signed() * width, sketch.signed() * height, -1.0) * depth;
         let (along, upward) =
             (dvec3(0.18 * width, 0.02 * height, 0.05), dvec3(-0.02 * width, 0.18 * height, 0.04 * height));
         sketch.plate_around(centre, along * depth, upward * depth);
     }
-    sketch.seen_by(stage_of)
 }
 
 pub(super) const COARSE_FRAME: Case = Case {
     name: "coarse-frame",
     summary: "plates seen through ever fewer pixels, odd numbers of them, down to one; rays between pixel centres",
     difficulty_parameter: turned("frame edge", "pixels", &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0]),
+    seed: 16,
     make: coarse_frame,
     feature: Feature::of("hit something smaller than a pixel", 0.3, |probe, index| {
         let triangle = probe.triangle(index).zip(probe.point(index));
@@ -67,28 +63,28 @@ pub(super) const COARSE_FRAME: Case = Case {
     }),
 };
 
-fn coarse_frame(edge: f64) -> Result<Setup, TracerError> {
+fn coarse_frame(sketch: &mut Sketch, edge: f64) {
     let edge = edge as u32;
-    let mut rays_made = CaseRays::new(16);
-    let stage = plates(Camera { frame: [edge, edge], face: edge, ..Camera::default() }, &mut rays_made, 0.5, 0.5)?;
+    plates(sketch, 0.5, 0.5);
+    sketch.camera = Camera { frame: [edge, edge], face: edge, ..Camera::default() };
     for _ in 0..RAYS {
-        let target = dvec3(0.55 * rays_made.signed(), 0.55 * rays_made.signed(), -1.0);
-        rays_made.towards(DVec3::ZERO, target);
+        let target = dvec3(0.55 * sketch.signed(), 0.55 * sketch.signed(), -1.0);
+        sketch.towards(DVec3::ZERO, target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const WIDE_FRAME: Case = Case {
     name: "wide-frame",
     summary: "plates through ever wider and lower frames, to a single row; rays through pixel centres",
     difficulty_parameter: turned("width", "heights", &[1.0, 8.0, 64.0, 512.0, 4096.0]),
+    seed: 17,
     make: wide_frame,
     feature: Feature::of("hit something in a frame of one row", 0.2, |probe, index| {
         probe.hit(index).is_some() && probe.view().size[1] == 1
     }),
 };
 
-fn wide_frame(aspect: f64) -> Result<Setup, TracerError> {
+fn wide_frame(sketch: &mut Sketch, aspect: f64) {
     let frame = match aspect as u32 {
         1 => [64, 64],
         8 => [256, 32],
@@ -99,40 +95,37 @@ fn wide_frame(aspect: f64) -> Result<Setup, TracerError> {
     let height = 1.0 / aspect;
     // 90 degrees across, whatever the height.
     let vertical_fov = 2.0 * (height as f32).atan();
-    let mut rays_made = CaseRays::new(17);
-    plates(Camera { frame, face: 64, vertical_fov, ..Camera::default() }, &mut rays_made, 0.9, 0.9 * height)?
-        .through_centres(rays_made)
+    plates(sketch, 0.9, 0.9 * height);
+    sketch.camera = Camera { frame, face: 64, vertical_fov, ..Camera::default() };
 }
 
 pub(super) const SURFACE_STARTS: Case = Case {
     name: "surface-starts",
     summary: "rays that start ever closer above a floor, before a wall, in any direction off it",
     difficulty_parameter: turned("lift", "diagonals", &[0.01, 1e-3, 1e-4, 1e-5, 2e-6]),
+    seed: 18,
     make: surface_starts,
     feature: Feature::of("start within a hundred thousandth of a diagonal from the floor", 0.9, |probe, index| {
         (probe.ray(index).origin.y + 1.0).abs() < 1e-5 * probe.truth.diagonal()
     }),
 };
 
-fn surface_starts(lift: f64) -> Result<Setup, TracerError> {
-    let mut sketch = Sketch::default();
+fn surface_starts(sketch: &mut Sketch, lift: f64) {
     sketch.plate(dvec3(-2.0, -1.0, -1.0), DVec3::X * 4.0, DVec3::NEG_Z * 4.0);
     sketch.plate(dvec3(-2.0, -1.0, -5.0), DVec3::X * 4.0, DVec3::Y * 2.5);
-    let stage = sketch.seen_by(Camera::default())?;
-    let lift = lift * stage.geometry.diagonal();
-    let mut rays_made = CaseRays::new(18);
+    let lift = lift * sketch.diagonal();
     for _ in 0..RAYS {
-        let origin = dvec3(1.2 * rays_made.signed(), -1.0 + lift, -3.5 + rays_made.signed());
-        let direction = rays_made.direction();
-        rays_made.towards(origin, origin + dvec3(direction.x, direction.y.abs(), direction.z));
+        let origin = dvec3(1.2 * sketch.signed(), -1.0 + lift, -3.5 + sketch.signed());
+        let direction = sketch.direction();
+        sketch.towards(origin, origin + dvec3(direction.x, direction.y.abs(), direction.z));
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const CELL_BORDERS: Case = Case {
     name: "cell-borders",
     summary: "rays whose image runs along a border between pixel columns or rows, ever closer to it",
     difficulty_parameter: turned("off the border", "pixels", &[0.4, 0.1, 0.01, 1e-3, 0.0]),
+    seed: 19,
     make: cell_borders,
     feature: Feature::of("start on a border", 0.9, |probe, index| {
         probe
@@ -142,30 +135,27 @@ pub(super) const CELL_BORDERS: Case = Case {
     }),
 };
 
-fn cell_borders(off: f64) -> Result<Setup, TracerError> {
-    let mut rays_made = CaseRays::new(19);
-    let mut sketch = Sketch::default();
+fn cell_borders(sketch: &mut Sketch, off: f64) {
     // A wall square to the view that fills half of it.
     sketch.plate(dvec3(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
-    let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
         // A line of the image: pixel border and how far off it.
-        let line = (0.4 * rays_made.signed() * 256.0).round();
-        let side = if rays_made.unit() < 0.5 { off } else { -off };
+        let line = (0.4 * sketch.signed() * 256.0).round();
+        let side = if sketch.unit() < 0.5 { off } else { -off };
         let line = (line + side) * PIXEL;
-        let along = 0.45 * rays_made.signed();
-        let start = 1.0 + 2.5 * rays_made.unit();
-        let end = along + 0.3 * rays_made.signed();
+        let along = 0.45 * sketch.signed();
+        let start = 1.0 + 2.5 * sketch.unit();
+        let end = along + 0.3 * sketch.signed();
         let on = |along: f64| if index % 2 == 0 { dvec3(line, along, -1.0) } else { dvec3(along, line, -1.0) };
-        rays_made.towards(on(along) * start, on(end) * 4.0);
+        sketch.towards(on(along) * start, on(end) * 4.0);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const FACE_CELL_BORDERS: Case = Case {
     name: "face-cell-borders",
     summary: "the same along borders between pairs of pixels of a cube face whose centre is pulled back by near",
     difficulty_parameter: turned("off the border", "pixels", &[0.8, 0.1, 0.01, 1e-3, 0.0]),
+    seed: 21,
     make: face_cell_borders,
     feature: Feature::of("start on a border", 0.9, |probe, index| {
         let on_border = |at: f64| (at / 2.0 - (at / 2.0).round()).abs() < 5e-4;
@@ -181,53 +171,45 @@ fn forward_face(viewpoint: &Viewpoint) -> View {
     faces.iter().find(along).copied().unwrap_or_else(|| faces[0])
 }
 
-fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {
-    let mut rays_made = CaseRays::new(21);
-    let mut sketch = Sketch::default();
+fn face_cell_borders(sketch: &mut Sketch, off: f64) {
     sketch.plate(dvec3(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
-    let stage = sketch.seen_by(Camera { near: Some(0.05), ..Camera::default() })?;
-    let face = forward_face(&stage.viewpoint);
+    sketch.camera.near = Some(0.05);
+    let face = forward_face(&sketch.viewpoint());
     let pixel = 2.0 * face.tan_half_width / f64::from(face.size[0]);
     for index in 0..RAYS {
-        let border = 2.0 * (0.2 * rays_made.signed() * 128.0).round();
-        let side = if rays_made.unit() < 0.5 { off } else { -off };
+        let border = 2.0 * (0.2 * sketch.signed() * 128.0).round();
+        let side = if sketch.unit() < 0.5 { off } else { -off };
         let line = (border + side) * pixel;
-        let along = 0.4 * rays_made.signed();
-        let start = 1.0 + 2.5 * rays_made.unit();
-        let end = along + 0.3 * rays_made.signed();
+        let along = 0.4 * sketch.signed();
+        let start = 1.0 + 2.5 * sketch.unit();
+        let end = along + 0.3 * sketch.signed();
         let on = |along: f64| if index % 2 == 0 { dvec3(line, along, -1.0) } else { dvec3(along, line, -1.0) };
-        rays_made.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
+        sketch.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const VIEW_CENTRE: Case = Case {
     name: "through-view-centre",
     summary: "rays from behind that pass ever closer by the eye and go on into the view, to a torn sphere",
     difficulty_parameter: turned("distance from the eye", "diagonals", &[0.02, 0.005, 1e-3, 1e-5, 0.0]),
+    seed: 20,
     make: view_centre,
-    feature: Feature::of("pass the eye within a millionth of the diagonal", 0.9, passes_the_eye),
+    feature: Feature::of("pass the eye within a millionth of the diagonal", 0.9, |probe, index| {
+        let ray = probe.ray(index);
+        let offset = probe.view().eye - ray.origin;
+        let aside = offset - ray.direction * offset.dot(ray.direction);
+        aside.length() < 1e-6 * probe.truth.diagonal()
+    }),
 };
 
-fn passes_the_eye(probe: &Probe<'_>, index: usize) -> bool {
-    let ray = probe.ray(index);
-    let offset = probe.view().eye - ray.origin;
-    let aside = offset - ray.direction * offset.dot(ray.direction);
-    aside.length() < 1e-6 * probe.truth.diagonal()
-}
-
-fn view_centre(distance: f64) -> Result<Setup, TracerError> {
-    let mut rays_made = CaseRays::new(20);
-    let mut sketch = Sketch::default();
-    sketch.sphere(DVec3::ZERO, 2.0, 8, || rays_made.unit() < 0.7);
-    let stage = sketch.seen_by(Camera { eye: Vec3::ZERO, ..Camera::default() })?;
-    let distance = distance * stage.geometry.diagonal();
+fn view_centre(sketch: &mut Sketch, distance: f64) {
+    sketch.sphere(DVec3::ZERO, 2.0, 8, |numbers| numbers.unit() < 0.7);
+    let distance = distance * sketch.diagonal();
     for _ in 0..RAYS {
         // From behind the eye, so that every ray goes on into the view.
-        let forward = dvec3(0.45 * rays_made.signed(), 0.45 * rays_made.signed(), -1.0);
+        let forward = dvec3(0.45 * sketch.signed(), 0.45 * sketch.signed(), -1.0);
         let aside = forward.any_orthonormal_vector() * distance;
-        let origin = aside - forward * (0.2 + 0.8 * rays_made.unit());
-        rays_made.towards(origin, aside + forward);
+        let origin = aside - forward * (0.2 + 0.8 * sketch.unit());
+        sketch.towards(origin, aside + forward);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }

@@ -1,10 +1,10 @@
 //! Cases about what uniform grids over a scene are made of: voxels, as many along every axis.
 
 use glam::{DQuat, DVec3, Vec3, dvec3};
-use tracebench_api::{Query, TracerError};
+use tracebench_api::Query;
 
-use super::sketch::{Camera, CaseRays, RAYS, Sketch};
-use super::{Case, Feature, Setup, turned};
+use super::sketch::{Camera, RAYS, Sketch};
+use super::{Case, Feature, turned};
 
 /// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
 pub(super) const VOXEL_EDGE: f64 = 1.0 / 64.0;
@@ -14,16 +14,16 @@ pub(super) const THIN_WALLS: Case = Case {
     summary: "a closed room whose walls are ever thinner than a voxel of a 64-cubed grid; any hit is asked between its inside and \
               what lies outside",
     difficulty_parameter: turned("wall", "64ths of the scene", &[4.0, 1.0, 0.25, 0.06, 0.015]),
+    seed: 28,
     make: thin_walls,
     feature: Feature::of("meet both sides of a wall within a fifth of a voxel", 0.5, |probe, index| {
         probe.surfaces(index, 0.2 * VOXEL_EDGE, 2) == 2
     }),
 };
 
-fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
+fn thin_walls(sketch: &mut Sketch, wall: f64) {
     /// Half of the room's edge: it fills what its turn leaves it of the scene.
     const HALF: f64 = 0.25;
-    let mut sketch = Sketch::default();
     sketch.widen([DVec3::ZERO, DVec3::ONE]);
     // Off the axes, so that no wall is a special one to a grid or to a projection along an axis.
     let turn = DQuat::from_rotation_y(0.35) * DQuat::from_rotation_x(0.2);
@@ -33,37 +33,33 @@ fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
     // A wall is a solid: its inner side shows its front to the room.
     let [x, y, z] = edges(HALF);
     sketch.block(centre, [x, y, -z]);
-    let camera = Camera { eye: Vec3::new(0.5, 0.5, 0.6), target: Vec3::new(0.5, 0.5, 0.0), ..Camera::default() };
-    let stage = sketch.seen_by(camera)?;
-    let mut rays_made = CaseRays::new(28);
+    sketch.camera = Camera { eye: Vec3::new(0.5, 0.5, 0.6), target: Vec3::new(0.5, 0.5, 0.0), ..Camera::default() };
     for index in 0..RAYS {
         // In view, before the wall that is seen.
-        let mut at =
-            |depth: f64| stage.view.eye + depth * dvec3(0.4 * rays_made.signed(), 0.4 * rays_made.signed(), -1.0);
+        let mut at = |depth: f64| sketch.eye() + depth * dvec3(0.4 * sketch.signed(), 0.4 * sketch.signed(), -1.0);
         let start = at(0.05 + 0.1 * (index % 7) as f64 / 7.0);
         // A quarter ends in the room; the others end at lamps outside.
         let target = if index % 4 == 0 { at(0.2) } else { at(1.0) };
-        rays_made.until(start, target);
+        sketch.until(start, target);
     }
-    Ok(stage.with(rays_made, Query::Any))
+    sketch.query = Query::Any;
 }
 
 pub(super) const LONG_SCENE: Case = Case {
     name: "long-scene",
     summary: "blocks along a passage, at last a hundred times as long as it is wide, seen from its end",
     difficulty_parameter: turned("length", "widths", &[1.0, 4.0, 16.0, 50.0, 100.0]),
+    seed: 29,
     make: long_scene,
     feature: Feature::of("hit a block smaller than a 64th of the scene's diagonal", 0.2, |probe, index| {
         probe.triangle(index).is_some_and(|(longest, _)| longest < VOXEL_EDGE * probe.truth.diagonal())
     }),
 };
 
-fn long_scene(length: f64) -> Result<Setup, TracerError> {
+fn long_scene(sketch: &mut Sketch, length: f64) {
     /// Blocks stand apart in so many columns, rows and slices a width.
     const CELLS: [u32; 3] = [2, 2, 2];
     const HALF_EDGE: f64 = 0.12;
-    let mut sketch = Sketch::default();
-    let mut rays_made = CaseRays::new(29);
     // The passage is 1 by 1 and begins before the eye, which near does not cut.
     let (low, high) = (dvec3(-0.5, -0.5, -0.5 - length), dvec3(0.5, 0.5, -0.5));
     sketch.widen([low, high]);
@@ -72,10 +68,9 @@ fn long_scene(length: f64) -> Result<Setup, TracerError> {
     for slice in 0..slices {
         for place in 0..CELLS[0] * CELLS[1] {
             let steps = [place % CELLS[0], place / CELLS[0], slice].map(|step| f64::from(step) + 0.5);
-            let centre = low + cell * DVec3::from(steps) + 0.04 * rays_made.point();
-            let (x, y) = rays_made.direction().any_orthonormal_pair();
+            let centre = low + cell * DVec3::from(steps) + 0.04 * sketch.point();
+            let (x, y) = sketch.direction().any_orthonormal_pair();
             sketch.block(centre, [x, y, x.cross(y)].map(|axis| axis * HALF_EDGE));
         }
     }
-    sketch.seen_by(Camera::default())?.through_centres(rays_made)
 }

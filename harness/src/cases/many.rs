@@ -1,33 +1,32 @@
 //! Cases about many surfaces in one place: lists, voxels, hierarchies that grow.
 
 use glam::{DVec3, Vec3, dvec3};
-use tracebench_api::{Query, TracerError};
+use tracebench_api::Query;
 
 use super::grids::VOXEL_EDGE;
-use super::sketch::{Camera, CaseRays, RAYS, Sketch};
-use super::{Case, Feature, Setup, turned};
+use super::sketch::{Camera, PIXEL, RAYS, Sketch};
+use super::{Case, Feature, turned};
 
 pub(super) const VOXEL: Case = Case {
     name: "voxel-stack",
     summary: "stacks of plates in single voxels of a 64-cubed grid; rays from all around",
     difficulty_parameter: turned("surfaces", "a voxel", &[1.0, 2.0, 4.0, 8.0, 32.0]),
+    seed: 5,
     make: voxel,
     feature: Feature::of("meet four surfaces within a voxel", 0.2, |probe, index| {
         probe.surfaces(index, 2.0 * VOXEL_EDGE, 4) == 4
     }),
 };
 
-fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
+fn voxel(sketch: &mut Sketch, surfaces: f64) {
     const STACKS: usize = 24;
-    let mut sketch = Sketch::default();
-    let mut rays_made = CaseRays::new(5);
     sketch.widen([DVec3::ZERO, DVec3::ONE]);
     let mut centres = Vec::new();
     for _ in 0..STACKS {
         // The middle of a voxel.
-        let centre = ((DVec3::splat(0.5) + 0.35 * rays_made.point()) / VOXEL_EDGE).floor() * VOXEL_EDGE;
+        let centre = ((DVec3::splat(0.5) + 0.35 * sketch.point()) / VOXEL_EDGE).floor() * VOXEL_EDGE;
         let centre = centre + DVec3::splat(0.5 * VOXEL_EDGE);
-        let normal = rays_made.direction();
+        let normal = sketch.direction();
         let (across, upward) = normal.any_orthonormal_pair();
         for layer in 0..surfaces as u32 {
             let height = ((f64::from(layer) + 0.5) / surfaces - 0.5) * 0.5 * VOXEL_EDGE;
@@ -36,73 +35,66 @@ fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
         }
         centres.push(centre);
     }
-    let camera = Camera {
+    sketch.camera = Camera {
         eye: Vec3::new(0.5, 0.5, 2.0),
         target: Vec3::splat(0.5),
         vertical_fov: 0.8,
         frame: [512, 512],
         ..Camera::default()
     };
-    let stage = sketch.seen_by(camera)?;
     for index in 0..RAYS {
-        let target = centres[index % STACKS] + rays_made.point() * (0.35 * VOXEL_EDGE);
-        let origin = target + rays_made.direction() * 0.1;
-        rays_made.towards(origin, target);
+        let target = centres[index % STACKS] + sketch.point() * (0.35 * VOXEL_EDGE);
+        let origin = target + sketch.direction() * 0.1;
+        sketch.towards(origin, target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const EQUAL_TRIANGLES: Case = Case {
     name: "equal-triangles",
     summary: "one triangle thousands of times over: hierarchies over equal boxes grow deep, lists long",
     difficulty_parameter: turned("copies", "", &[16.0, 256.0, 1024.0, 4096.0]),
+    seed: 22,
     make: equal_triangles,
     feature: Feature::of("hit a triangle of which there are thousands", 0.2, |probe, index| {
         probe.hit(index).is_some() && probe.truth.geometry().triangles.len() > 1000
     }),
 };
 
-fn equal_triangles(copies: f64) -> Result<Setup, TracerError> {
-    let mut sketch = Sketch::default();
+fn equal_triangles(sketch: &mut Sketch, copies: f64) {
     for _ in 0..copies as u32 {
         sketch.triangle([[-1.0, -1.0, -3.0], [1.4, -0.8, -3.2], [0.1, 1.3, -2.7]].map(DVec3::from));
     }
-    let stage = sketch.seen_by(Camera::default())?;
-    let mut rays_made = CaseRays::new(22);
     // Every ray is tested against every copy, several times over for its truth.
-    rays_made.through_centres(&stage.view, RAYS / 2);
-    Ok(stage.with(rays_made, Query::Closest))
+    sketch.through_centres(RAYS / 2);
 }
 
 pub(super) const LAYERS: Case = Case {
     name: "stacked-layers",
     summary: "plates one behind another in the same pixels; half of the rays start among them",
     difficulty_parameter: turned("layers", "a pixel", &[1.0, 4.0, 32.0, 256.0, 2048.0]),
+    seed: 23,
     make: layers,
     feature: Feature::of("meet a hundred layers", 0.2, |probe, index| probe.surfaces(index, 10.0, 100) == 100),
 };
 
-fn layers(layers: f64) -> Result<Setup, TracerError> {
-    let mut sketch = Sketch::default();
+fn layers(sketch: &mut Sketch, layers: f64) {
     for layer in 0..layers as u32 {
         let depth = -2.0 - 2.0 * (f64::from(layer) + 0.5) / layers;
         sketch.plate_around(dvec3(0.05, 0.05, depth), dvec3(0.8, 0.0, 0.001), dvec3(0.0, 0.8, 0.0));
     }
-    let stage = sketch.seen_by(Camera::default())?;
-    let mut rays_made = CaseRays::new(23);
-    rays_made.through_centres(&stage.view, RAYS / 2);
+    sketch.through_centres(RAYS / 2);
     for _ in 0..RAYS / 2 {
-        let origin = dvec3(0.6 * rays_made.signed(), 0.6 * rays_made.signed(), -3.0 + rays_made.signed());
-        let direction = rays_made.direction();
-        rays_made.towards(origin, origin + dvec3(direction.x * 0.3, direction.y * 0.3, direction.z));
+        let origin = dvec3(0.6 * sketch.signed(), 0.6 * sketch.signed(), -3.0 + sketch.signed());
+        let direction = sketch.direction();
+        sketch.towards(origin, origin + dvec3(direction.x * 0.3, direction.y * 0.3, direction.z));
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const CROWD: Case = Case {
     name: "crowded-pixel",
     summary: "a cloud of tiny triangles within one pixel and one voxel; any hit is asked",
     difficulty_parameter: turned("triangles", "", &[8.0, 64.0, 512.0, 4096.0]),
+    seed: 24,
     make: crowd,
     feature: Feature::of("meet something less than a twentieth of a pixel wide", 0.3, |probe, index| {
         let triangle = probe.triangle(index).zip(probe.point(index));
@@ -110,28 +102,22 @@ pub(super) const CROWD: Case = Case {
     }),
 };
 
-fn crowd(triangles: f64) -> Result<Setup, TracerError> {
-    let mut sketch = Sketch::default();
-    let mut rays_made = CaseRays::new(24);
+fn crowd(sketch: &mut Sketch, triangles: f64) {
     // The middle of a pixel of the default camera at depth 4, a hundredth of a voxel of a scene this wide.
-    let centre = dvec3(0.5, 0.5, 0.0) * (super::sketch::PIXEL * 4.0) - DVec3::Z * 4.0;
-    let radius = 0.4 * super::sketch::PIXEL * 4.0;
+    let centre = dvec3(0.5, 0.5, 0.0) * (PIXEL * 4.0) - DVec3::Z * 4.0;
+    let radius = 0.4 * PIXEL * 4.0;
     sketch.widen([dvec3(-2.0, -2.0, -6.0), dvec3(2.0, 2.0, -2.0)]);
     // The more, the smaller: so that the cloud never becomes one solid thing.
     let size = 3.0 * radius / triangles.sqrt();
     for _ in 0..triangles as u32 {
-        let at = centre + rays_made.direction() * (radius * rays_made.unit());
-        let corners = [0, 1, 2].map(|_| at + rays_made.direction() * size);
+        let at = centre + sketch.direction() * (radius * sketch.unit());
+        let corners = [0, 1, 2].map(|_| at + sketch.direction() * size);
         sketch.triangle(corners);
     }
-    let stage = sketch.seen_by(Camera::default())?;
     for index in 0..RAYS {
-        let target = centre + rays_made.direction() * (radius * rays_made.unit());
-        let origin = match index % 2 {
-            0 => stage.view.eye,
-            _ => centre + rays_made.direction(),
-        };
-        rays_made.towards(origin, target);
+        let target = centre + sketch.direction() * (radius * sketch.unit());
+        let origin = if index % 2 == 0 { sketch.eye() } else { centre + sketch.direction() };
+        sketch.towards(origin, target);
     }
-    Ok(stage.with(rays_made, Query::Any))
+    sketch.query = Query::Any;
 }

@@ -13,9 +13,10 @@ mod sketch;
 mod small;
 mod surfaces;
 
-use tracebench_api::{Geometry, Query, Ray, TracerError, Viewpoint};
+use tracebench_api::{Geometry, Query, Ray, Viewpoint};
 
 pub use probe::Probe;
+use sketch::Sketch;
 
 /// What makes a case harder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +27,6 @@ pub struct DifficultyParameter {
     pub unit: &'static str,
     /// Its values from harmless to hard, rising or falling.
     pub values: &'static [f64],
-}
-
-impl DifficultyParameter {
-    /// Name and unit, for axes and tables.
-    pub fn label(&self) -> String {
-        label(self.name, self.unit)
-    }
 }
 
 const fn turned(name: &'static str, unit: &'static str, values: &'static [f64]) -> DifficultyParameter {
@@ -73,9 +67,6 @@ impl Feature {
     }
 }
 
-/// Most ambiguous rays of a case at any strength, share of all rays: else it would measure nothing.
-pub const MAX_TIES: f64 = 0.06;
-
 /// A minimal scene with one difficulty.
 #[derive(Clone, Copy)]
 pub struct Case {
@@ -85,10 +76,21 @@ pub struct Case {
     pub summary: &'static str,
     /// What makes it harder.
     pub difficulty_parameter: DifficultyParameter,
-    /// The scene at a value of the difficulty parameter.
-    pub make: fn(f64) -> Result<Setup, TracerError>,
+    /// What tells its random numbers from those of other cases.
+    seed: u64,
+    /// Draws it at a value of the difficulty parameter.
+    make: fn(&mut Sketch, f64),
     /// What shows the difficulty.
     pub feature: Feature,
+}
+
+impl Case {
+    /// The scene at a value of the difficulty parameter.
+    pub fn setup(&self, value: f64) -> Setup {
+        let mut sketch = Sketch::new(self.seed);
+        (self.make)(&mut sketch, value);
+        sketch.setup()
+    }
 }
 
 /// Every case, in the order of tables.

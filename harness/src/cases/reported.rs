@@ -1,10 +1,10 @@
 //! Cases of what users of engines report: halos at half resolution, views that are narrow or wide, scenes far from the origin.
 
 use glam::{DVec3, Vec3, dvec3};
-use tracebench_api::{Query, TracerError, Viewpoint};
+use tracebench_api::Viewpoint;
 
-use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
-use super::{Case, Feature, Setup, turned};
+use super::sketch::{Camera, PIXEL, RAYS, Sketch};
+use super::{Case, Feature, turned};
 use crate::truth::Ray64;
 
 pub(super) const HALF_RESOLUTION: Case = Case {
@@ -12,6 +12,7 @@ pub(super) const HALF_RESOLUTION: Case = Case {
     summary: "borders of plates before a wall in a frame with a half, a fourth, an eighth of the ray image's pixels along each edge; rays \
               through that image's pixel centres within six pixels of a border",
     difficulty_parameter: turned("edge of the frame's pixels", "ray pixels", &[1.0, 2.0, 4.0, 8.0]),
+    seed: 35,
     make: half_resolution,
     feature: Feature::of("meet another plate than the centre of their frame's pixel shows", 0.15, |probe, index| {
         let (view, ray) = (probe.view(), probe.ray(index));
@@ -22,10 +23,8 @@ pub(super) const HALF_RESOLUTION: Case = Case {
     }),
 };
 
-fn half_resolution(edge: f64) -> Result<Setup, TracerError> {
+fn half_resolution(sketch: &mut Sketch, edge: f64) {
     const RAY_IMAGE: u32 = 256;
-    let mut sketch = Sketch::default();
-    let mut rays_made = CaseRays::new(35);
     // The wall fills the upper half.
     sketch.plate(dvec3(-2.4, 0.0, -4.0), DVec3::X * 4.8, dvec3(0.0, 2.4, -0.2));
     let mut borders = Vec::new();
@@ -33,7 +32,7 @@ fn half_resolution(edge: f64) -> Result<Setup, TracerError> {
         let at = |step: i32| 0.34 * f64::from(step - 1);
         let centre = 2.0 * dvec3(at(place % 3), at(place / 3), -1.0);
         // Turned in the image, so that no border runs along its rows.
-        let (sine, cosine) = (0.2 + 0.4 * rays_made.unit()).sin_cos();
+        let (sine, cosine) = (0.2 + 0.4 * sketch.unit()).sin_cos();
         let (along, upward) = (dvec3(cosine, sine, 0.1) * 0.2, dvec3(-sine, cosine, 0.05) * 0.2);
         sketch.plate_around(centre, along, upward);
         for (side, other) in [(along, upward), (-along, upward), (upward, along), (-upward, along)] {
@@ -41,25 +40,26 @@ fn half_resolution(edge: f64) -> Result<Setup, TracerError> {
         }
     }
     let frame = RAY_IMAGE / edge as u32;
-    let stage = sketch.seen_by(Camera { frame: [frame; 2], face: frame, ..Camera::default() })?;
-    let image = Viewpoint { frame: [RAY_IMAGE; 2], ..stage.viewpoint }.frame_view();
+    sketch.camera = Camera { frame: [frame; 2], face: frame, ..Camera::default() };
+    let image = Viewpoint { frame: [RAY_IMAGE; 2], ..sketch.viewpoint() }.frame_view();
     for index in 0..RAYS {
         let (middle, half) = borders[index % borders.len()];
-        let near = middle + half * rays_made.signed();
-        let near = near + dvec3(rays_made.signed(), rays_made.signed(), 0.0) * (12.0 * PIXEL);
+        let near = middle + half * sketch.signed();
+        let near = near + dvec3(sketch.signed(), sketch.signed(), 0.0) * (12.0 * PIXEL);
         if let Some(at) = image.project(near) {
-            rays_made.towards(image.eye, image.eye + image.direction_through(at.x.floor() + 0.5, at.y.floor() + 0.5));
+            sketch.towards(image.eye, image.eye + image.direction_through(at.x.floor() + 0.5, at.y.floor() + 0.5));
         }
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const FIELD_OF_VIEW: Case = Case {
     name: "field-of-view",
     summary: "plates side by side over views from a telescope's to nearly a half space; half of the rays start before the plates",
     difficulty_parameter: turned("field of view", "degrees", &[1.0, 10.0, 60.0, 120.0, 150.0, 170.0]),
-    make: |degrees| {
-        side_by_side(Camera { vertical_fov: degrees.to_radians() as f32, ..Camera::default() }, CaseRays::new(36))
+    seed: 36,
+    make: |sketch, degrees| {
+        sketch.camera.vertical_fov = degrees.to_radians() as f32;
+        side_by_side(sketch);
     },
     feature: Feature::of("hit at more than 75 degrees from the view's axis", 0.3, |probe, index| {
         let view = probe.view();
@@ -70,50 +70,52 @@ pub(super) const FIELD_OF_VIEW: Case = Case {
 
 /// Plates, one a cell of the image, none before another; rays of which half go through pixel centres, half from before all plates onto one
 /// or between two, with an image that stays near.
-fn side_by_side(camera: Camera, mut rays_made: CaseRays) -> Result<Setup, TracerError> {
+fn side_by_side(sketch: &mut Sketch) {
     const CELLS: usize = 6;
-    let half = (0.5 * f64::from(camera.vertical_fov)).tan();
+    let half = (0.5 * f64::from(sketch.camera.vertical_fov)).tan();
     let cell = 2.0 * half / CELLS as f64;
-    let eye = camera.eye.as_dvec3();
-    let mut sketch = Sketch::default();
+    let eye = sketch.eye();
     let mut plates = Vec::new();
     for place in 0..CELLS * CELLS {
         let at = |step: usize| (step as f64 + 0.5) * cell - half;
-        let depth = 2.0 + rays_made.unit();
+        let depth = 2.0 + sketch.unit();
         let centre = dvec3(at(place % CELLS), at(place / CELLS), -1.0) * depth;
         // So little that at the rim of a wide view no plate gets before another.
         let slant = depth * (0.05 * cell).min(0.025);
-        let along = dvec3(0.3 * cell * depth, 0.0, slant * rays_made.signed());
-        let upward = dvec3(0.0, 0.3 * cell * depth, slant * rays_made.signed());
+        let along = dvec3(0.3 * cell * depth, 0.0, slant * sketch.signed());
+        let upward = dvec3(0.0, 0.3 * cell * depth, slant * sketch.signed());
         sketch.plate_around(eye + centre, along, upward);
         plates.push((centre, along, upward));
     }
-    let stage = sketch.seen_by(camera)?;
-    rays_made.through_centres(&stage.view, RAYS / 2);
+    sketch.through_centres(RAYS / 2);
     for index in 0..RAYS / 2 {
         let (centre, along, upward) = plates[index / 2 % plates.len()];
         let to_middle = dvec3(-centre.x.signum(), -centre.y.signum(), 0.0);
         let target = match index % 2 {
-            0 => centre + along * (0.8 * rays_made.signed()) + upward * (0.8 * rays_made.signed()),
+            0 => centre + along * (0.8 * sketch.signed()) + upward * (0.8 * sketch.signed()),
             // The corner of its cell.
             _ => centre - to_middle * (0.5 * cell * centre.z),
         };
-        let start = target / -target.z + to_middle * dvec3(rays_made.unit(), rays_made.unit(), 0.0) * (0.5 * cell);
-        rays_made.towards(eye + start, eye + target);
+        let start = target / -target.z + to_middle * dvec3(sketch.unit(), sketch.unit(), 0.0) * (0.5 * cell);
+        sketch.towards(eye + start, eye + target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const OFF_ORIGIN: Case = Case {
     name: "off-origin",
     summary: "plates side by side, the eye and the rays, all moved ever farther from the coordinates' origin",
     difficulty_parameter: turned("distance from the origin", "diagonals", &[1.0, 3.0, 10.0, 30.0, 100.0]),
-    make: |distance| {
-        let diagonal = side_by_side(Camera::default(), CaseRays::new(37))?.geometry.diagonal();
-        let eye = (dvec3(0.48, -0.6, 0.64) * distance * diagonal).as_vec3();
-        side_by_side(Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() }, CaseRays::new(37))
-    },
+    seed: 37,
+    make: off_origin,
     feature: Feature::of("hit at more than 50 diagonals from the origin", 0.3, |probe, index| {
         probe.point(index).is_some_and(|point| point.length() > 50.0 * probe.truth.diagonal())
     }),
 };
+
+fn off_origin(sketch: &mut Sketch, distance: f64) {
+    let mut at_origin = Sketch::new(OFF_ORIGIN.seed);
+    side_by_side(&mut at_origin);
+    let eye = (dvec3(0.48, -0.6, 0.64) * distance * at_origin.diagonal()).as_vec3();
+    sketch.camera = Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() };
+    side_by_side(sketch);
+}

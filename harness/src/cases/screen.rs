@@ -1,11 +1,10 @@
 //! Cases about what users of screen-space effects meet most: things that float before what a ray passes, rays that come towards the
 //! camera, foregrounds beside a ray's way, ways that are long on the image.
 
-use glam::{DVec3, Vec3, dvec3};
-use tracebench_api::{Query, TracerError};
+use glam::{DVec3, dvec3};
 
-use super::sketch::{Camera, CaseRays, PIXEL, RAYS, Sketch};
-use super::{Case, Feature, Setup, turned};
+use super::sketch::{Camera, PIXEL, RAYS, Sketch};
+use super::{Case, Feature, turned};
 use crate::truth::Ray64;
 
 /// Eye depth of the plate that floats before rays.
@@ -15,6 +14,7 @@ pub(super) const BEHIND_FOREGROUND: Case = Case {
     name: "behind-foreground",
     summary: "a thin plate floats in the view; three quarters of the rays pass behind it, ever closer, the others hit its front",
     difficulty_parameter: turned("gap", "diagonals", &[0.1, 0.03, 0.01, 0.003, 0.001]),
+    seed: 30,
     make: behind_foreground,
     feature: Feature::of("pass behind the plate within 0.0015 diagonals", 0.6, |probe, index| {
         let ray = probe.ray(index);
@@ -23,35 +23,32 @@ pub(super) const BEHIND_FOREGROUND: Case = Case {
     }),
 };
 
-fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
+fn behind_foreground(sketch: &mut Sketch, gap: f64) {
     const HALF_WIDTH: f64 = 0.15;
-    let mut sketch = Sketch::default();
     sketch.widen([dvec3(-1.0, -1.0, -3.0), dvec3(1.0, 1.0, -1.0)]);
     sketch.plate_around(DVec3::NEG_Z * FLOATING, DVec3::X * HALF_WIDTH, DVec3::Y * 0.8);
-    let stage = sketch.seen_by(Camera::default())?;
-    let gap = gap * stage.geometry.diagonal();
-    let mut rays_made = CaseRays::new(30);
+    let gap = gap * sketch.diagonal();
     for index in 0..RAYS {
         if index % 4 == 0 {
-            let target = dvec3(0.9 * HALF_WIDTH * rays_made.signed(), 0.7 * rays_made.signed(), -FLOATING);
-            let from = dvec3(0.5 * rays_made.signed(), 0.3 * rays_made.signed(), -1.2);
-            rays_made.towards(from, target);
+            let target = dvec3(0.9 * HALF_WIDTH * sketch.signed(), 0.7 * sketch.signed(), -FLOATING);
+            let from = dvec3(0.5 * sketch.signed(), 0.3 * sketch.signed(), -1.2);
+            sketch.towards(from, target);
         } else {
-            let behind = dvec3(0.9 * HALF_WIDTH * rays_made.signed(), 0.5 * rays_made.signed(), -FLOATING - gap);
+            let behind = dvec3(0.9 * HALF_WIDTH * sketch.signed(), 0.5 * sketch.signed(), -FLOATING - gap);
             let side = if index % 2 == 0 { 1.0 } else { -1.0 };
             // Over the plate's half width a fifth of the gap deeper or less deep.
-            let along = dvec3(side, 0.2 * rays_made.signed(), 0.2 * gap / HALF_WIDTH * rays_made.signed());
-            rays_made.towards(behind - along * 0.8, behind);
+            let along = dvec3(side, 0.2 * sketch.signed(), 0.2 * gap / HALF_WIDTH * sketch.signed());
+            sketch.towards(behind - along * 0.8, behind);
         }
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 pub(super) const TOWARDS_CAMERA: Case = Case {
     name: "towards-camera",
     summary: "rays from behind onto a slanted plate, ever closer to the way to the eye, which shows them less of their way",
     difficulty_parameter: turned("angle to the eye", "degrees", &[60.0, 30.0, 10.0, 3.0, 0.5]),
-    make: towards_camera,
+    seed: 31,
+    make: |sketch, angle| near_line_of_sight(sketch, angle, 1.0, [2.5, 1.0, 1.2]),
     feature: Feature::of("hit within a degree of the way to the eye", 0.5, |probe, index| {
         probe.point(index).is_some_and(|point| {
             let to_eye = (probe.view().eye - point).normalize();
@@ -60,15 +57,12 @@ pub(super) const TOWARDS_CAMERA: Case = Case {
     }),
 };
 
-fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
-    near_line_of_sight(angle, 1.0, [2.5, 1.0, 1.2], CaseRays::new(31))
-}
-
 pub(super) const AWAY_FROM_CAMERA: Case = Case {
     name: "away-from-camera",
     summary: "rays from before onto a slanted plate, ever closer to the view's axis through their hit: all of their way lies on a few pixels",
     difficulty_parameter: turned("angle to the view axis", "degrees", &[20.0, 5.0, 1.0, 0.3, 0.1]),
-    make: |angle| near_line_of_sight(angle, -1.0, [4.0, 0.5, 2.5], CaseRays::new(34)),
+    seed: 34,
+    make: |sketch, angle| near_line_of_sight(sketch, angle, -1.0, [4.0, 0.5, 2.5]),
     feature: Feature::of("hit within a fifth of a degree of the way from the eye", 0.5, |probe, index| {
         probe.point(index).is_some_and(|point| {
             let from_eye = (point - probe.view().eye).normalize();
@@ -78,31 +72,24 @@ pub(super) const AWAY_FROM_CAMERA: Case = Case {
 };
 
 /// Rays onto a plate at a depth, of a size and from so far away, at an angle to the way to the eye (`sign` 1) or from it (-1).
-fn near_line_of_sight(
-    angle: f64,
-    sign: f64,
-    [depth, size, length]: [f64; 3],
-    mut rays_made: CaseRays,
-) -> Result<Setup, TracerError> {
+fn near_line_of_sight(sketch: &mut Sketch, angle: f64, sign: f64, [depth, size, length]: [f64; 3]) {
     let centre = dvec3(0.0, 0.0, -depth);
     let (along, upward) = (dvec3(0.5, 0.0, -0.5) * size, DVec3::Y * (0.7 * size));
-    let mut sketch = Sketch::default();
     sketch.widen([dvec3(-1.5, -1.5, -4.5), dvec3(1.5, 1.5, -0.5)]);
     sketch.plate_around(centre, along, upward);
     // Finer than the reference pixels that hits are judged by.
-    let stage = sketch.seen_by(Camera { frame: [1024, 1024], ..Camera::default() })?;
+    sketch.camera.frame = [1024, 1024];
     let (aside, towards) = angle.to_radians().sin_cos();
     for index in 0..RAYS {
         // A third passes beside the plate.
-        let across = if index % 3 == 0 { 1.3 + 0.2 * rays_made.unit() } else { 0.9 * rays_made.signed() };
-        let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
-        let target = centre + along * (across * side) + upward * (0.9 * rays_made.signed());
-        let to_eye = (stage.view.eye - target).normalize();
-        let up = DVec3::Y * if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
+        let across = if index % 3 == 0 { 1.3 + 0.2 * sketch.unit() } else { 0.9 * sketch.signed() };
+        let side = if sketch.unit() < 0.5 { 1.0 } else { -1.0 };
+        let target = centre + along * (across * side) + upward * (0.9 * sketch.signed());
+        let to_eye = (sketch.eye() - target).normalize();
+        let up = DVec3::Y * if sketch.unit() < 0.5 { 1.0 } else { -1.0 };
         let square = (up - to_eye * up.dot(to_eye)).normalize();
-        rays_made.towards(target - (to_eye * (sign * towards) + square * aside) * length, target);
+        sketch.towards(target - (to_eye * (sign * towards) + square * aside) * length, target);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// A post's right border, columns of the default frame: odd, so that the first cell of a pyramid has pixels of both its sides.
@@ -113,6 +100,7 @@ pub(super) const FOREGROUND_IN_CELL: Case = Case {
     summary: "a post stands far before rays that pass it in the image, ever closer: coarse cells of the image hold both; half of the \
               rays hit the wall behind, half nothing",
     difficulty_parameter: turned("between post and ray", "pixels", &[48.0, 16.0, 4.0, 1.0, 0.5]),
+    seed: 32,
     make: foreground_in_cell,
     feature: Feature::of("have the post within a pixel and a half on the image", 0.9, |probe, index| {
         let view = probe.view();
@@ -124,21 +112,17 @@ pub(super) const FOREGROUND_IN_CELL: Case = Case {
     }),
 };
 
-fn foreground_in_cell(pixels: f64) -> Result<Setup, TracerError> {
+fn foreground_in_cell(sketch: &mut Sketch, pixels: f64) {
     let column = |at: f64| (at - 128.0) * PIXEL;
-    let mut sketch = Sketch::default();
     sketch.plate(dvec3(column(POST_BORDER - 28.0), -0.45, -1.0), DVec3::X * (28.0 * PIXEL), DVec3::Y * 0.9);
     sketch.plate(dvec3(-2.0, -2.0, -4.0), DVec3::X * 4.0, DVec3::Y * 4.0);
-    let stage = sketch.seen_by(Camera::default())?;
-    let mut rays_made = CaseRays::new(32);
     for index in 0..RAYS {
-        let across = column(POST_BORDER + pixels + 0.9 * rays_made.unit());
-        let side = if rays_made.unit() < 0.5 { 1.0 } else { -1.0 };
-        let [low, high] = [-0.3, 0.3].map(|end| dvec3(across, side * (end + 0.08 * rays_made.signed()), -1.0));
+        let across = column(POST_BORDER + pixels + 0.9 * sketch.unit());
+        let side = if sketch.unit() < 0.5 { 1.0 } else { -1.0 };
+        let [low, high] = [-0.3, 0.3].map(|end| dvec3(across, side * (end + 0.08 * sketch.signed()), -1.0));
         let [near, far] = if index % 2 == 0 { [2.2, 4.2] } else { [3.0, 3.0] };
-        rays_made.towards(low * near, high * far);
+        sketch.towards(low * near, high * far);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }
 
 /// Of long ways, pixels.
@@ -148,6 +132,7 @@ pub(super) const LONG_RAYS: Case = Case {
     name: "long-rays",
     summary: "rays whose way on the image to a post is ever longer, at last longer than every budget of steps",
     difficulty_parameter: turned("length", "pixels", &[64.0, 200.0, 500.0, 2000.0, 5000.0]),
+    seed: 33,
     make: long_rays,
     feature: Feature::of("cross more than 4096 pixels before they hit", 0.5, |probe, index| {
         let view = probe.view();
@@ -156,28 +141,24 @@ pub(super) const LONG_RAYS: Case = Case {
     }),
 };
 
-fn long_rays(length: f64) -> Result<Setup, TracerError> {
+fn long_rays(sketch: &mut Sketch, length: f64) {
     const DEPTH: f64 = 2.0;
     const POST: [f64; 2] = [5800.0, 5816.0];
     let [width, height] = LONG_FRAME.map(f64::from);
     // 90 degrees across: from -1 to 1 at depth 1.
     let pixel = 2.0 / width;
     let at = |column: f64, row: f64| dvec3((column - 0.5 * width) * pixel, row * pixel, -1.0);
-    let mut sketch = Sketch::default();
     sketch.widen([dvec3(-1.0, -0.5, -3.0), dvec3(2.0, 0.5, -1.0)]);
     let (low, high) = (at(POST[0], -8.0) * DEPTH, at(POST[1], 8.0) * DEPTH);
     sketch.plate(low, DVec3::X * (high.x - low.x), DVec3::Y * (high.y - low.y));
     let vertical_fov = 2.0 * ((height / width) as f32).atan();
-    let camera = Camera { frame: LONG_FRAME, vertical_fov, target: Vec3::NEG_Z, ..Camera::default() };
-    let stage = sketch.seen_by(camera)?;
-    let mut rays_made = CaseRays::new(33);
+    sketch.camera = Camera { frame: LONG_FRAME, vertical_fov, ..Camera::default() };
     for index in 0..RAYS {
-        let column = POST[0] + 2.0 + 12.0 * rays_made.unit();
+        let column = POST[0] + 2.0 + 12.0 * sketch.unit();
         // A quarter passes over the post.
-        let row = if index % 4 == 0 { 9.5 + 1.5 * rays_made.unit() } else { 7.0 * rays_made.signed() };
-        let from = row + 0.4 * rays_made.signed();
-        let origin = at(column - length, from) * (1.3 + 0.2 * rays_made.unit());
-        rays_made.towards(origin, at(column, row) * DEPTH);
+        let row = if index % 4 == 0 { 9.5 + 1.5 * sketch.unit() } else { 7.0 * sketch.signed() };
+        let from = row + 0.4 * sketch.signed();
+        let origin = at(column - length, from) * (1.3 + 0.2 * sketch.unit());
+        sketch.towards(origin, at(column, row) * DEPTH);
     }
-    Ok(stage.with(rays_made, Query::Closest))
 }

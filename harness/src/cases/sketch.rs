@@ -1,7 +1,7 @@
 //! What cases are drawn with: triangles, a camera, seeded rays.
 
 use glam::{DQuat, DVec3, Vec3, dvec3};
-use tracebench_api::{Geometry, Query, Ray, TracerError, View, Viewpoint};
+use tracebench_api::{Geometry, Query, Ray, Viewpoint};
 
 use super::Setup;
 use crate::rays::sampling::Stream;
@@ -10,14 +10,24 @@ use crate::viewpoint::Pose;
 /// Rays of a case where nothing else is said.
 pub(super) const RAYS: usize = 1200;
 
-/// Triangles in the making.
-#[derive(Default)]
+/// A case in the making: triangles, a camera and rays.
 pub(super) struct Sketch {
+    pub(super) camera: Camera,
+    /// What is asked of the rays.
+    pub(super) query: Query,
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
+    rays: Vec<Ray>,
+    numbers: Stream,
 }
 
 impl Sketch {
+    /// Nothing, seen by the default camera. `seed` tells the cases' numbers apart.
+    pub(super) fn new(seed: u64) -> Self {
+        let (camera, query, numbers) = (Camera::default(), Query::Closest, Stream::new(1, 0x100, seed));
+        Self { camera, query, positions: Vec::new(), triangles: Vec::new(), rays: Vec::new(), numbers }
+    }
+
     pub(super) fn triangle(&mut self, corners: [DVec3; 3]) {
         let first = self.positions.len() as u32;
         self.positions.extend(corners.map(|corner| corner.as_vec3().to_array()));
@@ -65,7 +75,7 @@ impl Sketch {
 
     /// A sphere of 12 `cells`² triangles that share their vertices, turned off the axes so that none of its edges lies
     /// along one; `keep` says which triangles stay.
-    pub(super) fn sphere(&mut self, centre: DVec3, radius: f64, cells: u32, mut keep: impl FnMut() -> bool) {
+    pub(super) fn sphere(&mut self, centre: DVec3, radius: f64, cells: u32, keep: impl Fn(&mut Stream) -> bool) {
         let turn = DQuat::from_xyzw(0.17, 0.31, -0.23, 0.9).normalize();
         for face in 0..6 {
             let first = self.positions.len() as u32;
@@ -88,7 +98,7 @@ impl Sketch {
                     let corner = first + row * (cells + 1) + column;
                     let (right, up) = (corner + 1, corner + cells + 1);
                     for triangle in [[corner, right, up + 1], [corner, up + 1, up]] {
-                        if keep() {
+                        if keep(&mut self.numbers) {
                             self.triangles.push(triangle);
                         }
                     }
@@ -97,24 +107,85 @@ impl Sketch {
         }
     }
 
-    /// The scene seen by a camera.
-    pub(super) fn seen_by(self, camera: Camera) -> Result<Stage, TracerError> {
-        let geometry = Geometry::new(self.positions, self.triangles, None)?;
-        let pose = Pose {
-            name: "case".to_owned(),
-            eye: camera.eye,
-            target: camera.target,
-            up: Vec3::Y,
-            vertical_fov: camera.vertical_fov,
-        };
-        let mut viewpoint = pose.viewpoint(&geometry, camera.frame, camera.face);
-        viewpoint.near = camera.near.unwrap_or(viewpoint.near);
-        let view = viewpoint.frame_view();
-        Ok(Stage { geometry, viewpoint, view })
+    /// In [0, 1).
+    pub(super) fn unit(&mut self) -> f64 {
+        self.numbers.unit()
+    }
+
+    /// In [-1, 1).
+    pub(super) fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    /// In the cube from -1 to 1.
+    pub(super) fn point(&mut self) -> DVec3 {
+        dvec3(self.signed(), self.signed(), self.signed())
+    }
+
+    /// A unit vector.
+    pub(super) fn direction(&mut self) -> DVec3 {
+        self.numbers.sphere()
+    }
+
+    /// A ray without an end; the direction is made a unit vector from the origin as f32 has it.
+    pub(super) fn towards(&mut self, origin: DVec3, target: DVec3) {
+        let origin = origin.as_vec3();
+        let direction = (target - origin.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3();
+        self.rays.push(Ray { origin: origin.into(), t_min: 0.0, direction: direction.into(), t_max: Ray::UNBOUNDED });
+    }
+
+    /// A ray that ends at its target.
+    pub(super) fn until(&mut self, origin: DVec3, target: DVec3) {
+        self.towards(origin, target);
+        if let Some(ray) = self.rays.last_mut() {
+            ray.t_max = (target - Vec3::from(ray.origin).as_dvec3()).length() as f32;
+        }
+    }
+
+    /// From the eye through the centres of random pixels: what a sampled method knows best.
+    pub(super) fn through_centres(&mut self, count: usize) {
+        let view = self.viewpoint().frame_view();
+        for _ in 0..count {
+            let place = |edge: u32, part: f64| (part * f64::from(edge)).floor() + 0.5;
+            let (x, y) = (place(view.size[0], self.unit()), place(view.size[1], self.unit()));
+            self.towards(view.eye, view.eye + view.direction_through(x, y));
+        }
+    }
+
+    /// The eye of its camera.
+    pub(super) fn eye(&self) -> DVec3 {
+        self.camera.eye.as_dvec3()
+    }
+
+    /// The diagonal of what is drawn.
+    pub(super) fn diagonal(&self) -> f64 {
+        self.geometry().diagonal()
+    }
+
+    /// What its camera sees of what is drawn.
+    pub(super) fn viewpoint(&self) -> Viewpoint {
+        let Camera { eye, target, vertical_fov, frame, face, near } = self.camera;
+        let pose = Pose { name: "case".to_owned(), eye, target, up: Vec3::Y, vertical_fov };
+        let viewpoint = pose.viewpoint(&self.geometry(), frame, face);
+        Viewpoint { near: near.unwrap_or(viewpoint.near), ..viewpoint }
+    }
+
+    fn geometry(&self) -> Geometry {
+        let (positions, triangles) = (self.positions.clone(), self.triangles.clone());
+        Geometry::new(positions, triangles, None).expect("a case draws triangles before anything is asked of it")
+    }
+
+    /// What was drawn. Without other rays it has its ordinary ones: from the eye through pixel centres.
+    pub(super) fn setup(mut self) -> Setup {
+        if self.rays.is_empty() {
+            self.through_centres(RAYS);
+        }
+        Setup { geometry: self.geometry(), viewpoint: self.viewpoint(), rays: self.rays, query: self.query }
     }
 }
 
 /// Where a case is seen from.
+#[derive(Clone, Copy)]
 pub(super) struct Camera {
     pub(super) eye: Vec3,
     pub(super) target: Vec3,
@@ -138,79 +209,3 @@ impl Default for Camera {
 
 /// Edge of a pixel of the default camera at depth 1, scene units.
 pub(super) const PIXEL: f64 = 2.0 * 0.577_350_269 / 256.0;
-
-/// A scene with its viewpoint.
-pub(super) struct Stage {
-    pub(super) geometry: Geometry,
-    pub(super) viewpoint: Viewpoint,
-    pub(super) view: View,
-}
-
-impl Stage {
-    /// The whole case where rays are its ordinary ones: from the eye through pixel centres, for the closest hit.
-    pub(super) fn through_centres(self, mut rays_made: CaseRays) -> Result<Setup, TracerError> {
-        rays_made.through_centres(&self.view, RAYS);
-        Ok(self.with(rays_made, Query::Closest))
-    }
-
-    pub(super) fn with(self, rays_made: CaseRays, query: Query) -> Setup {
-        Setup { geometry: self.geometry, viewpoint: self.viewpoint, rays: rays_made.rays, query }
-    }
-}
-
-/// Rays in the making, with the numbers that they are made from.
-pub(super) struct CaseRays {
-    stream: Stream,
-    rays: Vec<Ray>,
-}
-
-impl CaseRays {
-    /// `case` tells the cases' numbers apart.
-    pub(super) fn new(case: u64) -> Self {
-        Self { stream: Stream::new(1, 0x100, case), rays: Vec::new() }
-    }
-
-    /// In [0, 1).
-    pub(super) fn unit(&mut self) -> f64 {
-        self.stream.unit()
-    }
-
-    /// In [-1, 1).
-    pub(super) fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    /// In the cube from -1 to 1.
-    pub(super) fn point(&mut self) -> DVec3 {
-        dvec3(self.signed(), self.signed(), self.signed())
-    }
-
-    /// A unit vector.
-    pub(super) fn direction(&mut self) -> DVec3 {
-        self.stream.sphere()
-    }
-
-    /// A ray without an end; the direction is made a unit vector from the origin as f32 has it.
-    pub(super) fn towards(&mut self, origin: DVec3, target: DVec3) {
-        let origin = origin.as_vec3();
-        let direction = (target - origin.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3();
-        self.rays.push(Ray { origin: origin.into(), t_min: 0.0, direction: direction.into(), t_max: Ray::UNBOUNDED });
-    }
-
-    /// A ray that ends at its target.
-    pub(super) fn until(&mut self, origin: DVec3, target: DVec3) {
-        self.towards(origin, target);
-        if let Some(ray) = self.rays.last_mut() {
-            ray.t_max = (target - Vec3::from(ray.origin).as_dvec3()).length() as f32;
-        }
-    }
-
-    /// From the eye through the centres of random pixels: what a sampled method knows best.
-    pub(super) fn through_centres(&mut self, view: &View, count: usize) {
-        for _ in 0..count {
-            let place = |edge: u32, part: f64| (part * f64::from(edge)).floor() + 0.5;
-            let (x, y) = (place(view.size[0], self.unit()), place(view.size[1], self.unit()));
-            self.towards(view.eye, view.eye + view.direction_through(x, y));
-        }
-    }
-}

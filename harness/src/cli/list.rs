@@ -154,7 +154,8 @@ fn cases() -> Vec<Value> {
 fn case_text(case: &Case) -> String {
     let Case { name, summary, difficulty_parameter, .. } = case;
     let values = difficulty_parameter.values.iter().join(", ");
-    format!("{name:<20} {summary}\n{:20} {}: {values}\n", "", difficulty_parameter.label())
+    let label = crate::cases::label(difficulty_parameter.name, difficulty_parameter.unit);
+    format!("{name:<20} {summary}\n{:20} {label}: {values}\n", "")
 }
 
 /// Labels of a table's rows, as `--tracer` takes them; each once, however many steps have it.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use tracebench_api::Gpu;
 use tracebench_api::{Parameters, Preset};
-use tracebench_harness::cases::{CASES, Case, MAX_TIES};
+use tracebench_harness::cases::{CASES, Case};
 use tracebench_harness::measure::{Context, Journal};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
@@ -44,6 +44,9 @@ fn run_cases_by(cases: &[&Case], requests: &[TracerRequest]) -> Record {
     let (device, cache, quiet, journal) = (Ok(gpu()), Cache::none(), Progress::new(true), Journal::none());
     stability::run(cases, requests, &Context::new(&device, &cache, &quiet, &journal)).unwrap()
 }
+
+/// Most ambiguous rays of a case at any strength, share of all rays: else it would measure nothing.
+const MAX_TIES: f64 = 0.06;
 
 /// What is wrong with a case itself, whatever tracers do.
 fn flaws(case: &Case, record: &CaseRecord) -> Vec<String> {

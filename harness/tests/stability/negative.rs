@@ -239,7 +239,7 @@ fn a_case_that_shows_nothing_is_noticed() {
 #[test]
 fn needles_are_lost_on_edges() {
     let case = find("needles").unwrap();
-    let setup = (case.make)(8192.0).unwrap();
+    let setup = case.setup(8192.0);
     let session = prepare(case, &setup, None).unwrap().keeping_wrong_rays(usize::MAX);
     let config = built(&session);
     let rays = &session.rays[0];
@@ -254,7 +254,7 @@ fn needles_are_lost_on_edges() {
 #[test]
 fn equal_triangles_make_hierarchies_deep() {
     let case = find("equal-triangles").unwrap();
-    let setup = (case.make)(*case.difficulty_parameter.values.last().unwrap()).unwrap();
+    let setup = case.setup(*case.difficulty_parameter.values.last().unwrap());
     let session = prepare(case, &setup, None).unwrap();
     let config = built(&session);
     let statistics = config.structure().unwrap().validate(session.geometry()).unwrap();

@@ -44,7 +44,8 @@ pub struct Candidate {
 impl Candidate {
     /// A requested tracer. Expectations hold for its preset; parameters that were changed are set against them all the same.
     pub fn of(request: &TracerRequest, shares: &Arc<ExpectedShares>) -> Self {
-        let expected_on = |case: &Case| Some((case.name, request.registration.expected_of(request.preset, case.name)?));
+        let expected_of = |case: &Case| request.registration.expected_of(request.preset, case.name);
+        let expected_on = |case: &Case| Some((case.name, expected_of(case)?.clone()));
         let expected = CASES.iter().filter_map(expected_on).collect();
         let column = request.registration.column(request.preset);
         Self { request: request.clone(), expected, column, shares: Arc::clone(shares) }
@@ -53,8 +54,8 @@ impl Candidate {
     /// What is expected on a case, on an adapter of a kind with such a rasterizer.
     pub fn record(&self, case: &Case, kind: &str, rasterizer: Option<&Rasterizer>) -> Option<ExpectationRecord> {
         let (_, expected) = self.expected.iter().find(|(name, _)| *name == case.name)?;
-        let record = expected.record(case.difficulty_parameter.values, rasterizer);
-        if !record.has_shares() {
+        let record = expected.record(case.name, case.difficulty_parameter.values, rasterizer);
+        if !record.kind.has_shares() {
             return Some(record);
         }
         let wrong_shares = self.shares.of(&self.column, case.name, kind, case.difficulty_parameter.values);
@@ -177,7 +178,7 @@ fn measure_case(
 
 /// A case at one difficulty level, ready to be measured.
 fn placed(case: &Case, difficulty_level: f64, gpu: Option<&Arc<Gpu>>) -> Result<PreparedWorkload, RunError> {
-    let setup = (case.make)(difficulty_level)?;
+    let setup = case.setup(difficulty_level);
     let session = prepare(case, &setup, gpu)?;
     let Geometry { positions, triangles, .. } = &setup.geometry;
     let parts = [hash::sha256_of(positions), hash::sha256_of(triangles)].concat();
@@ -212,7 +213,7 @@ fn describe(
     truth: &Truth,
     answers: &[Answer],
 ) -> Result<DifficultyLevel, RunError> {
-    let setup = (case.make)(difficulty_level)?;
+    let setup = case.setup(difficulty_level);
     let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(answers);
     let probe = Probe { setup: &setup, truth, answers };
     let featured = (0..setup.rays.len()).filter(|index| (case.feature.has)(&probe, *index)).count();
