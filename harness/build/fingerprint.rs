@@ -33,7 +33,8 @@ pub fn fingerprints(sources: &Sources<'_>) -> Result<BTreeMap<String, String>, S
     let code = judging.0.values().map(String::as_str).collect::<Vec<_>>().join(" ");
     house.add_named("harness", &code, &mut judging)?;
     let mut all = BTreeMap::from([("controls".to_owned(), judging.digest())]);
-    for file in (sources.list)("harness/src/registrations") {
+    let registrations: Vec<String> = (sources.list)("harness/src/registrations");
+    for file in registrations.iter().filter(|file| file.ends_with(".rs")) {
         let mut hashed = judging.clone();
         let registration = format!("harness/src/registrations/{file}");
         let text = house.code_of(&registration)?.text;
@@ -44,7 +45,7 @@ pub fn fingerprints(sources: &Sources<'_>) -> Result<BTreeMap<String, String>, S
         house.add_named("harness", &text, &mut hashed)?;
         // Registrations that it makes its own of, whose rows are made by theirs, too.
         let words: BTreeSet<&str> = text.split_whitespace().collect();
-        for other in (sources.list)("harness/src/registrations") {
+        for other in &registrations {
             if other != file && words.contains(other.trim_end_matches(".rs")) && text.contains("parts :") {
                 house.add_named(
                     "harness",

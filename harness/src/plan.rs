@@ -153,17 +153,22 @@ impl TracerRequest {
     /// The same in every form that it stands in where all tracers do.
     pub fn forms(registration: &Registration, preset: Preset) -> Vec<Self> {
         let plain = Self::of(registration, preset);
-        let form = |settings: &&[(&str, &str)]| {
-            let mut request = plain.clone();
-            settings.iter().try_for_each(|(parameter, value)| request.set(parameter, value)).ok()?;
-            Some(request)
-        };
+        let form = |settings: &Vec<(&str, &str)>| plain.clone().with(settings).ok();
         std::iter::once(plain.clone()).chain(registration.forms.iter().filter_map(form)).collect()
     }
 
     /// The tracer's name.
     pub fn name(&self) -> &'static str {
         self.registration.describe().name
+    }
+
+    /// With other values of some parameters.
+    ///
+    /// # Errors
+    /// As [`Parameters::set`].
+    pub fn with(mut self, values: &[(&str, &str)]) -> Result<Self, ParameterError> {
+        values.iter().try_for_each(|(parameter, value)| self.set(parameter, value))?;
+        Ok(self)
     }
 
     /// Sets one parameter from text; it counts as changed from then on.

@@ -4,7 +4,7 @@ use crate::registrations;
 pub use crate::registrations::{Device, Family, Registration};
 
 /// Every tracer, in the order of tables.
-pub const TRACERS: &[Registration] = &[
+pub static TRACERS: &[Registration] = &[
     registrations::bvh_cpu::REGISTRATION,
     registrations::bvh_gpu::REGISTRATION,
     registrations::ploc_gpu::REGISTRATION,

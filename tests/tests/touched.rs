@@ -19,7 +19,7 @@ fn camera(frame: [u32; 2]) -> Viewpoint {
 /// Rays as a tracer serves them; where it wants them all from one point, from the camera's eye over its view.
 fn served(name: &str, rays: &[Ray]) -> Vec<Ray> {
     let registration = TRACERS.iter().find(|registration| name.split(' ').next() == Some(registration.name()));
-    if !registration.is_some_and(|registration| registration.one_origin) {
+    if !registration.is_some_and(|registration| registration.one_origin()) {
         return rays.to_vec();
     }
     let (view, mut numbers) = (camera([96, 64]).frame_view(), Numbers::new(62));

@@ -51,7 +51,7 @@ impl ExplainArguments {
 
 pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Result<(), CliError> {
     let request = arguments.request()?;
-    let remedies = request.registration.remedies;
+    let remedies = &request.registration.remedies;
     if remedies.is_empty() {
         let known: Vec<_> = TRACERS.iter().filter(|each| explainable(each)).map(Registration::name).collect();
         return Err(CliError::Argument(format!(

@@ -70,7 +70,7 @@ fn over_help() -> String {
         [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
         _ => names.concat(),
     };
-    let of = |each: &Registration| format!("{} {}", each.name(), list(each.sweep));
+    let of = |each: &Registration| format!("{} {}", each.name(), list(&each.sweep));
     let of: Vec<String> = TRACERS.iter().filter(|each| has_sweep(each)).map(of).collect();
     let chosen = TRACERS.iter().filter_map(|each| Some(format!("{} {}", each.name(), each.tune?)));
     format!(

@@ -45,7 +45,7 @@ impl InterleavedSet<'_> {
             let wanted: Vec<usize> = all.filter(|participant| wanted(interleaved_set, *participant)).collect();
             let may_refuse = |participant: &usize| {
                 let request = interleaved_set.participants[*participant].request.as_ref();
-                request.is_some_and(|request| request.registration.one_origin)
+                request.is_some_and(|request| request.registration.one_origin())
             };
             wanted.into_iter().min_by_key(may_refuse)
         };

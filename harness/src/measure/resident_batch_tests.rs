@@ -1,6 +1,7 @@
 //! What is built: one structure for all values of a trace parameter, and no more than a resident batch of structures at a time.
 
 use std::cell::Cell;
+use std::sync::LazyLock;
 
 use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, MemoryReport, Parameter, ParameterScope, Parameters, PhaseClock, Preset, Status,
@@ -12,7 +13,7 @@ use crate::judge::Rule;
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::registrations::{Family, Registration};
+use crate::registrations::{Registration, Told};
 use crate::results::{Record, SampleSchedule};
 use crate::studies::sweep::{Sweep, parameter_axis};
 use crate::studies::tune::Tune;
@@ -101,7 +102,8 @@ fn description() -> TracerDescription {
 }
 
 fn request() -> TracerRequest {
-    let registration = Registration::sampled(description, Family::Image, |_| Ok(Box::new(Counted)));
+    static TOLD: LazyLock<Told> = LazyLock::new(|| serde_json::from_str(r#"{"family": "image"}"#).unwrap());
+    let registration = Registration { description, create: |_| Ok(Box::new(Counted)), parts: None, told: &TOLD };
     TracerRequest::of(&registration, Preset::Published)
 }
 

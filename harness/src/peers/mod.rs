@@ -1,6 +1,6 @@
 //! Tables whose rows are tracers at settings: peers of one family, ways to read and to launch, switches of an improved form.
 
-use tracebench_api::{Domain, ParameterScope, Preset, TracerError};
+use tracebench_api::{Domain, ParameterError, ParameterScope, Preset};
 
 use crate::launch::combinations;
 use crate::plan::TracerRequest;
@@ -15,7 +15,7 @@ const TABLES: &[Table] = &[
         name: "bvh",
         summary: "bounding volume hierarchies: build rate, size, cost, speed with accuracy, counters, over every scene",
         rays: "primary,ao,specular,diffuse",
-        rows: Rows::Peers { family: Some(Family::Bvh), swept: Some("build") },
+        rows: Rows::Peers { family: Family::Bvh, swept: "build" },
     },
     Table {
         name: "launch-settings",
@@ -27,7 +27,7 @@ const TABLES: &[Table] = &[
 
 /// Every table, those of a tracer's own switches last.
 pub fn all() -> impl Iterator<Item = &'static Table> {
-    TABLES.iter().chain(TRACERS.iter().filter_map(|registration| registration.ablation))
+    TABLES.iter().chain(TRACERS.iter().filter_map(|registration| registration.ablation.as_ref()))
 }
 
 /// Finds a table by name.
@@ -44,10 +44,11 @@ impl Table {
     /// Whether a tracer's place in the registry is in the table.
     fn has(&self, registration: &Registration) -> bool {
         match self.rows {
-            Rows::Peers { family, .. } => family.is_none_or(|family| registration.family == family),
+            Rows::Peers { family, .. } => registration.family == family,
             Rows::LaunchSettings => TracerRequest::of(registration, Preset::Published).has_launch_settings(),
             Rows::Switches(_) => {
-                registration.ablation == Some(self) || peer().is_some_and(|peer| peer.name() == registration.name())
+                registration.ablation.as_ref() == Some(self)
+                    || peer().is_some_and(|peer| peer.name() == registration.name())
             }
         }
     }
@@ -67,8 +68,8 @@ impl Table {
     pub fn configs(&self) -> Vec<TracerRequest> {
         let of = |registration| TracerRequest::of(registration, Preset::Published);
         let published = || TRACERS.iter().filter(|each| self.has(each)).map(of);
-        match self.rows {
-            Rows::Peers { family, swept } => self.peers(published().collect(), family, swept),
+        match &self.rows {
+            Rows::Peers { swept, .. } => Self::peers(&published().collect::<Vec<_>>(), swept),
             Rows::LaunchSettings => {
                 let at = |request: TracerRequest| {
                     combinations().into_iter().filter_map(move |launch| request.clone().with_launch_settings(&launch))
@@ -76,44 +77,33 @@ impl Table {
                 published().flat_map(at).collect()
             }
             Rows::Switches(rows) => {
-                let own = TRACERS.iter().find(|each| each.ablation == Some(self));
+                let own = TRACERS.iter().find(|each| each.ablation.as_ref() == Some(self));
                 let rows = own.into_iter().flat_map(|own| rows.iter().filter_map(|row| row.request(own).ok()));
                 rows.chain(peer().map(of)).collect()
             }
         }
     }
 
-    /// Every peer as published, each followed by its variants: of the reference the values of the swept parameter, of others their own
-    /// named kinds of structure, parameters that the reference has too left out. How they are read is the same for all, and no variant. No
-    /// variants where all families are side by side.
-    fn peers(
-        &self,
-        published: Vec<TracerRequest>,
-        family: Option<Family>,
-        swept: Option<&'static str>,
-    ) -> Vec<TracerRequest> {
-        let is_reference = |request: &TracerRequest| request.name() == self.reference();
-        let reference = published.iter().find(|request| is_reference(request));
-        let known = reference.map(|request| request.registration.describe().parameters).unwrap_or_default();
+    /// Every peer as published, each followed by its variants: of the reference, the first, the values of the swept parameter, of others
+    /// their own named kinds of structure, parameters that the reference has too left out. How they are read is the same for all, and no
+    /// variant.
+    fn peers(published: &[TracerRequest], swept: &str) -> Vec<TracerRequest> {
+        let of = |request: &TracerRequest| request.registration.describe().parameters;
+        let known = published.first().map(of).unwrap_or_default();
         let mut configs = Vec::new();
-        for request in &published {
+        for (place, request) in published.iter().enumerate() {
             configs.push(request.clone());
-            for parameter in request.registration.describe().parameters {
-                let wanted = if is_reference(request) {
-                    swept == Some(parameter.name)
-                } else {
-                    let named = matches!(parameter.domain, Domain::Choice(_));
-                    let shared =
-                        parameter.name == MEMORY_ACCESS || known.iter().any(|other| other.name == parameter.name);
-                    family.is_some() && named && parameter.scope == ParameterScope::Build && !shared
-                };
-                for value in parameter.sweep.iter().filter(|value| wanted && **value != parameter.published) {
-                    let mut variant = request.clone();
-                    // A value worth sweeping lies in its own range.
-                    if variant.set(parameter.name, &value.to_string()).is_ok() {
-                        configs.push(variant);
-                    }
-                }
+            for parameter in of(request) {
+                let shared =
+                    || parameter.name == MEMORY_ACCESS || known.iter().any(|other| other.name == parameter.name);
+                let is_kind =
+                    || matches!(parameter.domain, Domain::Choice(_)) && parameter.scope == ParameterScope::Build;
+                let wanted = if place == 0 { swept == parameter.name } else { is_kind() && !shared() };
+                let values = parameter.sweep.iter().filter(|value| wanted && **value != parameter.published);
+                // A value worth sweeping lies in its own range.
+                configs.extend(
+                    values.filter_map(|value| request.clone().with(&[(parameter.name, &value.to_string())]).ok()),
+                );
             }
         }
         configs
@@ -129,13 +119,9 @@ impl Switched {
     /// The tracer with the row's values.
     ///
     /// # Errors
-    /// [`TracerError::Parameter`] for a value that it cannot have.
-    pub fn request(&self, registration: &Registration) -> Result<TracerRequest, TracerError> {
-        let mut request = TracerRequest::of(registration, self.preset);
-        for (name, value) in self.values {
-            request.set(name, value)?;
-        }
-        Ok(request)
+    /// [`ParameterError`] for a value that it cannot have.
+    pub fn request(&self, registration: &Registration) -> Result<TracerRequest, ParameterError> {
+        TracerRequest::of(registration, self.preset).with(&self.values)
     }
 }
 
@@ -144,10 +130,10 @@ mod tests {
     use super::*;
     use crate::rays::RAY_SETS;
 
-    /// The tables of peers, with the parameter that each sweeps and whether it is of one family.
-    fn of_peers() -> impl Iterator<Item = (&'static Table, Option<Family>, Option<&'static str>)> {
+    /// The tables of peers, with the parameter that each sweeps.
+    fn of_peers() -> impl Iterator<Item = (&'static Table, &'static str)> {
         all().filter_map(|table| match table.rows {
-            Rows::Peers { family, swept } => Some((table, family, swept)),
+            Rows::Peers { swept, .. } => Some((table, swept)),
             _ => None,
         })
     }
@@ -162,11 +148,11 @@ mod tests {
             assert!(table.rays.split(',').all(|name| RAY_SETS.iter().any(|set| set.name == name)));
             assert!(!table.holds("no-such") && table.configs().iter().all(|row| table.holds(row.name())));
         }
-        for (table, _, swept) in of_peers() {
+        for (table, swept) in of_peers() {
             let reference = registry::find(table.reference()).unwrap();
             assert!(table.has(reference));
             let parameters = reference.describe().parameters;
-            assert!(swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
+            assert!(parameters.iter().any(|parameter| parameter.name == swept));
         }
         assert!(find("no-such").is_none() && names.contains(&"launch-settings"));
     }
@@ -175,17 +161,16 @@ mod tests {
     /// rows are the same, and parameters that the reference has are not swept again.
     #[test]
     fn every_peer_has_its_rows() {
-        for (table, family, swept) in of_peers() {
+        for (table, swept) in of_peers() {
             let rows = table.configs();
             for registration in TRACERS {
                 let name = registration.describe().name;
                 let found = rows.iter().filter(|row| row.name() == name).count();
                 assert_eq!(found > 0, table.has(registration), "{name} in {}", table.name);
-                assert!(family.is_some() || found == 1, "{name} in {}", table.name);
             }
             let of_reference = rows.iter().filter(|row| row.name() == table.reference()).count();
             let parameters = registry::find(table.reference()).unwrap().describe().parameters;
-            let swept = parameters.iter().find(|each| Some(each.name) == swept).map_or(1, |each| each.sweep.len());
+            let swept = parameters.iter().find(|each| each.name == swept).map_or(1, |each| each.sweep.len());
             assert_eq!(of_reference, swept, "{}", table.name);
             for (index, row) in rows.iter().enumerate() {
                 let same = |other: &&TracerRequest| other.name() == row.name() && other.parameters == row.parameters;
@@ -203,8 +188,8 @@ mod tests {
     #[test]
     fn every_switch_can_be_told() {
         let mut ablations = 0;
-        for (registration, table) in TRACERS.iter().filter_map(|each| Some((each, each.ablation?))) {
-            let Rows::Switches(rows) = table.rows else { panic!("{} is of no switches", table.name) };
+        for (registration, table) in TRACERS.iter().filter_map(|each| Some((each, each.ablation.as_ref()?))) {
+            let Rows::Switches(rows) = &table.rows else { panic!("{} is of no switches", table.name) };
             let requests: Vec<TracerRequest> = rows.iter().map(|row| row.request(registration).unwrap()).collect();
             for (index, request) in requests.iter().enumerate() {
                 let same = requests[..index].iter().any(|other| other.parameters == request.parameters);
@@ -226,7 +211,7 @@ mod tests {
     #[test]
     fn what_cannot_be_told_is_refused() {
         let registration = TRACERS.iter().find(|each| each.ablation.is_some()).unwrap();
-        let row = Switched { preset: Preset::Improved, values: &[("no-such", "1")] };
+        let row = Switched { preset: Preset::Improved, values: vec![("no-such", "1")] };
         assert!(row.request(registration).is_err());
     }
 }

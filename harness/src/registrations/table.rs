@@ -1,11 +1,14 @@
 //! Tables whose rows are tracers at settings, as data.
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use tracebench_api::Preset;
 
 use super::Family;
 
 /// A table.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Table {
     /// Stable name; files are named after it.
     pub name: &'static str,
@@ -18,19 +21,20 @@ pub struct Table {
 }
 
 /// Which tracers at which settings have a row each.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Rows {
-    /// Tracers side by side.
+    /// Tracers of a family side by side.
     Peers {
-        /// Whose tracers; every tracer without one.
-        family: Option<Family>,
+        /// Whose tracers.
+        family: Family,
         /// A parameter of the first of them, each of whose values worth sweeping has a row.
-        swept: Option<&'static str>,
+        swept: &'static str,
     },
     /// Every tracer that searches on the device, by each way to read and to launch.
     LaunchSettings,
     /// The switches of the improved form of the tracer whose room has the table, beside the first hierarchy on the device.
-    Switches(&'static [Switched]),
+    Switches(Vec<Switched>),
 }
 
 /// A row: a preset with other values.
@@ -39,28 +43,17 @@ pub struct Switched {
     /// From which preset.
     pub preset: Preset,
     /// Parameters with their values.
-    pub values: Values,
+    pub values: Vec<(&'static str, &'static str)>,
 }
 
-/// Parameters with their values.
-pub type Values = &'static [(&'static str, &'static str)];
-
-/// The table of a tracer's switches, as its room lists them.
-pub(super) const fn switches(
-    name: &'static str,
-    summary: &'static str,
-    rays: &'static str,
-    rows: &'static [Switched],
-) -> Table {
-    Table { name, summary, rays, rows: Rows::Switches(rows) }
-}
-
-/// A row of the published preset with other values.
-pub(super) const fn published(values: Values) -> Switched {
-    Switched { preset: Preset::Published, values }
-}
-
-/// A row of the improved preset with other values.
-pub(super) const fn improved(values: Values) -> Switched {
-    Switched { preset: Preset::Improved, values }
+impl Deserialize<'static> for Switched {
+    /// In one line: `published lists=packed slices=1`.
+    fn deserialize<D: Deserializer<'static>>(deserializer: D) -> Result<Self, D::Error> {
+        let line = <&'static str>::deserialize(deserializer)?;
+        let (preset, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let preset = Preset::ALL.into_iter().find(|each| each.name() == preset);
+        let values = rest.split_whitespace().map(|word| word.split_once('=')).collect::<Option<_>>();
+        let found = preset.zip(values).map(|(preset, values)| Self { preset, values });
+        found.ok_or_else(|| D::Error::custom(format!("`{line}` is not `PRESET PARAMETER=VALUE ...`")))
+    }
 }

@@ -140,7 +140,7 @@ pub(crate) fn run(configs: &[(&str, Quality)], sets: &[(&str, Query)]) -> Record
 pub(crate) fn judge_ambiguous(record: &mut Record) {
     for trace in record.rows.iter_mut().chain(&mut record.controls).flat_map(|one| &mut one.traces) {
         let Judgement::Closest(closest) = &mut trace.judgement else { continue };
-        closest.agreement_without_ambiguous = Some(closest.agreement.clone());
+        closest.agreement_without_ambiguous = Some(closest.agreement);
         closest.truth = Some(TrueCounts {
             hits: HITS,
             misses: COUNT - TIES - HITS,

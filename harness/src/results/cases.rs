@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
 
-use super::{Rule, TracerRecord};
+use super::{PerRule, Rule, TracerRecord};
 
 /// The cases of a stability matrix.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,11 +98,26 @@ pub struct NoAnswer {
     pub unserved: bool,
 }
 
-/// The kind of an expectation of no wrong ray.
-pub(crate) const EXACT: &str = "exact";
+/// What kind of answers are expected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ExpectationKind {
+    /// No wrong ray.
+    Exact,
+    /// The method can do it, and few rays are wrong.
+    Bounded,
+    /// The method cannot do it.
+    KnownFailure,
+    /// None at all: the method does not serve such rays.
+    Unserved,
+}
 
-/// That of no answers at all: the method does not serve such rays.
-pub(crate) const UNSERVED: &str = "unserved";
+impl ExpectationKind {
+    /// Whether it is stated how many rays are wrong.
+    pub fn has_shares(self) -> bool {
+        matches!(self, Self::Bounded | Self::KnownFailure)
+    }
+}
 
 /// Room to both sides of an expected share: so much at least, share of all rays, and such a part of the share.
 const MIN_ROOM: f64 = 0.01;
@@ -111,8 +126,8 @@ const ROOM_SHARE: f64 = 1.0 / 3.0;
 /// What is expected of a tracer on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExpectationRecord {
-    /// `exact`, `bounded`, `known_failure` or `unserved`.
-    pub kind: String,
+    /// What kind of answers.
+    pub kind: ExpectationKind,
     /// The rule by which rays are wrong.
     pub rule: Rule,
     /// The share of wrong rays at each of the difficulty parameter's values, as measured before; `None` where there were no answers. Empty
@@ -126,7 +141,6 @@ pub struct ExpectationRecord {
     pub refusable_from: Option<f64>,
     /// The difficulty level from which on the device's rasterizer loses triangles, by its probe: whatever is wrong there is not the
     /// tracer's.
-    #[serde(default)]
     pub lost_from: Option<f64>,
     /// Why.
     pub reason: String,
@@ -134,27 +148,8 @@ pub struct ExpectationRecord {
     pub source: String,
 }
 
-/// Shares of wrong rays under the three rules; of any-hit rays the same three times.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wrong {
-    /// Hit or miss is wrong.
-    pub hit_miss: f64,
-    /// Under `tight`.
-    pub tight: f64,
-    /// Under `footprint`.
-    pub footprint: f64,
-}
-
-impl Wrong {
-    /// The share under a rule.
-    pub fn under(&self, rule: Rule) -> f64 {
-        match rule {
-            Rule::HitMiss => self.hit_miss,
-            Rule::Tight => self.tight,
-            Rule::Footprint => self.footprint,
-        }
-    }
-}
+/// Shares of wrong rays; of any-hit rays the same three times.
+pub type Wrong = PerRule<f64>;
 
 /// A surprise at one difficulty level: the share of wrong rays, the rule by which they are, and what was expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,11 +161,6 @@ pub enum UnexpectedOutcome {
 }
 
 impl ExpectationRecord {
-    /// Whether it says how many rays are wrong.
-    pub fn has_shares(&self) -> bool {
-        self.kind != EXACT && self.kind != UNSERVED
-    }
-
     /// Whether a device may be too small at one of a difficulty parameter's values.
     pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
         is_from(self.refusable_from, values, index)
@@ -183,13 +173,13 @@ impl ExpectationRecord {
 
     /// The share of wrong rays that is expected at one of a difficulty parameter's values; `None` if none is stated.
     pub fn expected_share(&self, index: usize) -> Option<f64> {
-        if self.kind == EXACT { Some(0.0) } else { self.wrong_shares.get(index).copied().flatten() }
+        if self.kind == ExpectationKind::Exact { Some(0.0) } else { self.wrong_shares.get(index).copied().flatten() }
     }
 
     /// What is surprising about the wrong rays at one of a difficulty parameter's values.
     pub fn unexpected_outcome(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<UnexpectedOutcome> {
         let expected = self.expected_share(index).filter(|_| !self.may_be_lost(values, index))?;
-        let own_room = if self.kind == EXACT { 0.0 } else { MIN_ROOM.max(expected * ROOM_SHARE) };
+        let own_room = if self.kind == ExpectationKind::Exact { 0.0 } else { MIN_ROOM.max(expected * ROOM_SHARE) };
         let (rule, wrong, room) = (self.rule, shares.under(self.rule), own_room + self.rasterizer_tolerance);
         let (least, allowed) = (expected - room, expected + room);
         let failure = (wrong > allowed).then_some(UnexpectedOutcome::Failure(wrong, rule, allowed));

@@ -313,7 +313,7 @@ pub struct ByRule<T> {
 }
 
 /// A value for each headline rule.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PerRule<T> {
     /// Only hit or miss must be right.
     pub hit_miss: T,
@@ -321,6 +321,17 @@ pub struct PerRule<T> {
     pub tight: T,
     /// See [`ByRule::footprint`].
     pub footprint: T,
+}
+
+impl<T: Copy> PerRule<T> {
+    /// The value under a rule.
+    pub fn under(&self, rule: Rule) -> T {
+        match rule {
+            Rule::HitMiss => self.hit_miss,
+            Rule::Tight => self.tight,
+            Rule::Footprint => self.footprint,
+        }
+    }
 }
 
 impl<T> From<[T; 3]> for PerRule<T> {

@@ -35,10 +35,9 @@ use serde::{Deserialize, Serialize};
 
 pub use attack::{AttackRecord, PoseRecord, SearchRecord, ShrunkRecord};
 pub use cases::{
-    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
-    UnexpectedOutcome, Wrong,
+    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationKind,
+    ExpectationRecord, NoAnswer, UnexpectedOutcome, Wrong,
 };
-pub(crate) use cases::{EXACT, UNSERVED};
 pub use explanation::{
     Explained, ExplanationRecord, GIVEN_UP, MAX_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
 };

@@ -1,14 +1,15 @@
 //! Tracers that answer from the truth in f64, all but what a planted fault makes of it. Each has the name of a hierarchy, so that it stands
 //! in the tables of these.
 
+use std::sync::LazyLock;
+
 use tracebench_api::{
     Counter, Domain, Geometry, Hit, HitBuffer, MemoryEntry, MemoryReport, NO_PRIMITIVE, ParameterDescription,
     ParameterScope, Parameters, PhaseClock, Residency, Status, Structure, TraceJob, TraceTo, Tracer, TracerDescription,
     TracerError, Update, Value, Viewpoint,
 };
 use tracebench_harness::measure::controls::Control;
-use tracebench_harness::registrations::{Family, Remedy, Shrink};
-use tracebench_harness::registry::Registration;
+use tracebench_harness::registrations::{Create, Registration, Told};
 use tracebench_harness::truth::{Ray64, Truth};
 
 /// What is wrong with a tracer.
@@ -41,27 +42,23 @@ impl Fault {
     /// What it does wrong, as a tracer of a registry: one with a parameter to sweep, to tune, to shrink and to explain, which changes no
     /// answer.
     pub fn registration(self) -> Registration {
-        let described = match self {
-            Self::None => || describe(Self::None),
-            Self::Blind => || describe(Self::Blind),
-            Self::EveryTenth => || describe(Self::EveryTenth),
-            Self::ThirdLeftOut => || describe(Self::ThirdLeftOut),
+        static TOLD: LazyLock<Told> = LazyLock::new(|| {
+            let told = r#"{
+                "family": "bvh",
+                "remedies": [{"cause": "leaves", "parameter": "leaf", "value": "1", "source": "none"}],
+                "shrinks": [{"axis": "leaf", "steps": ["2", "1"]}],
+                "sweep": ["leaf"],
+                "tune": "leaf"
+            }"#;
+            serde_json::from_str(told).unwrap()
+        });
+        let (description, create): (fn() -> TracerDescription, Create) = match self {
+            Self::None => (|| describe(Self::None), |_| Ok(Box::new(Self::None))),
+            Self::Blind => (|| describe(Self::Blind), |_| Ok(Box::new(Self::Blind))),
+            Self::EveryTenth => (|| describe(Self::EveryTenth), |_| Ok(Box::new(Self::EveryTenth))),
+            Self::ThirdLeftOut => (|| describe(Self::ThirdLeftOut), |_| Ok(Box::new(Self::ThirdLeftOut))),
         };
-        let mut registration = Registration::sampled(
-            described,
-            Family::Bvh,
-            match self {
-                Self::None => |_| Ok(Box::new(Self::None)),
-                Self::Blind => |_| Ok(Box::new(Self::Blind)),
-                Self::EveryTenth => |_| Ok(Box::new(Self::EveryTenth)),
-                Self::ThirdLeftOut => |_| Ok(Box::new(Self::ThirdLeftOut)),
-            },
-        );
-        registration.remedies = &[Remedy { cause: "leaves", parameter: "leaf", value: "1", source: "none" }];
-        registration.shrinks = &[Shrink { axis: "leaf", steps: &["2", "1"] }];
-        registration.sweep = &["leaf"];
-        registration.tune = Some("leaf");
-        registration
+        Registration { description, create, parts: None, told: &TOLD }
     }
 }
 

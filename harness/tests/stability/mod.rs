@@ -13,9 +13,9 @@ use tracebench_harness::cases::{CASES, Case};
 use tracebench_harness::measure::{Context, Journal};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
-use tracebench_harness::registrations::{Column, Expectation, Rule};
+use tracebench_harness::registrations::{Expectation, Rasterized};
 use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_harness::results::{CaseRecord, MAX_UNEXPLAINED, Record, Row};
+use tracebench_harness::results::{CaseRecord, ExpectationKind, MAX_UNEXPLAINED, Record, Row, Rule};
 use tracebench_harness::studies::stability::{self, CaseMatrix, Cell, ExpectedShares, Stability, Verdict};
 use tracebench_harness::truth::Cache;
 use tracebench_tests::{adapter_has_ray_queries, available};
@@ -29,7 +29,7 @@ fn gpu() -> Arc<Gpu> {
 fn requests() -> Vec<TracerRequest> {
     let requests = |each: &'static Registration| {
         let required = available(each.describe().name, each.create(&Ok(gpu())), &gpu()).is_some();
-        let improved = each.improved.map(|_| Preset::Improved);
+        let improved = each.improved.as_ref().map(|_| Preset::Improved);
         let request = move |preset| TracerRequest { required, ..TracerRequest::of(each, preset) };
         [Preset::Published].into_iter().chain(improved).map(request)
     };
@@ -265,34 +265,39 @@ fn the_registry_is_sane() {
         assert!(!case.summary.contains('\n') && !case.summary.ends_with('.'), "{}", case.name);
     }
     for registration in TRACERS {
-        let improved = registration.improved.map_or(&[][..], |improved| improved.expectations);
         let tracer = registration.name();
-        let stated = |column: Column| -> Vec<(&str, &Expectation)> {
-            column.iter().flat_map(|(cases, expected)| cases.split(' ').map(move |case| (case, expected))).collect()
-        };
-        let columns = [registration.expectations, improved].concat().into_iter().map(stated);
-        let numbered = |column: Vec<_>| (0..column.len()).map(move |index| (column.clone(), index));
-        for (column, index) in columns.flat_map(numbered) {
-            let (name, expected) = column[index];
-            let case = tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
-            assert!(column[..index].iter().all(|(other, _)| *other != name), "{tracer}: {name} twice");
-            let expected = match expected {
-                Expectation::Refusable { from, otherwise } => {
-                    assert!(case.difficulty_parameter.values[1..].contains(from), "{tracer}, {name}: {from}");
-                    otherwise
+        for list in registration.expectations_of(Preset::Improved) {
+            let mut named: Vec<&str> = Vec::new();
+            for (place, expected) in list.iter().enumerate() {
+                let Expectation { cases, kind, reason, source, refusable_from, rasterized, .. } = expected;
+                let told = [reason, source].map(|text| !text.is_empty());
+                let must = match kind {
+                    ExpectationKind::Exact => [false, false],
+                    ExpectationKind::Bounded | ExpectationKind::Unserved => [true, false],
+                    ExpectationKind::KnownFailure => [true, true],
+                };
+                assert_eq!(told, must, "{tracer}: {cases}");
+                // Behind one that is of all cases there is none.
+                assert!(!cases.is_empty() || place + 1 == list.len(), "{tracer}: {reason}");
+                let spoilt: &[(&str, Rasterized)] =
+                    &[("wide-frame", Rasterized::PlatesAlongRows), ("huge-triangle", Rasterized::HugeTriangles)];
+                assert!(rasterized.iter().all(|(name, by)| spoilt.contains(&(name, *by))), "{tracer}: {rasterized:?}");
+                for name in
+                    cases.split_whitespace().chain(refusable_from.keys().copied()).chain(rasterized.keys().copied())
+                {
+                    assert!(expected.is_of(name), "{tracer}: {name} is not one of {cases}");
+                    let case =
+                        tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
+                    let from = refusable_from.get(name);
+                    let values = &case.difficulty_parameter.values[1..];
+                    assert!(from.is_none_or(|from| values.contains(from)), "{tracer}, {name}: {from:?}");
                 }
-                Expectation::Rasterized { wrong_by_snapping, reason, otherwise, .. } => {
-                    assert!(*wrong_by_snapping >= 0.0 && !reason.is_empty(), "{tracer}, {name}");
-                    otherwise
-                }
-                expected => expected,
-            };
-            if let Expectation::KnownFailure { reason, source, .. } = expected {
-                assert!(!reason.is_empty() && !source.is_empty(), "{tracer}, {name}");
+                named.extend(cases.split_whitespace());
             }
-            if let Expectation::Bounded { reason, .. } = expected {
-                assert!(!reason.is_empty(), "{tracer}, {name}");
-            }
+            let count = named.len();
+            named.sort_unstable();
+            named.dedup();
+            assert_eq!(named.len(), count, "{tracer}: a case is there twice");
         }
     }
 }
@@ -313,13 +318,13 @@ fn every_case_is_stated() {
             let (column, values) = (tracer.column(preset), case.difficulty_parameter.values);
             let cell = format!("{column} on {}", case.name);
             let expected = tracer.expected_of(preset, case.name).unwrap_or_else(|| panic!("{cell} is unstated"));
-            let record = expected.record(values, None);
+            let record = expected.record(case.name, values, None);
             let stated = shares.of(&column, case.name, "software", values);
             let refusable = |index| record.may_be_refused(values, index);
             let missing =
                 (0..values.len()).find(|index| stated.get(*index).is_none_or(Option::is_none) && !refusable(*index));
-            assert_eq!(stated.is_empty(), !record.has_shares(), "{cell}");
-            assert!(!record.has_shares() || missing.is_none(), "{cell}: no share at {missing:?}");
+            assert_eq!(stated.is_empty(), !record.kind.has_shares(), "{cell}");
+            assert!(!record.kind.has_shares() || missing.is_none(), "{cell}: no share at {missing:?}");
         }
     }
 }

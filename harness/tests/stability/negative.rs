@@ -6,17 +6,21 @@ use tracebench_harness::cases::find;
 use tracebench_harness::measure::TracerConfig;
 use tracebench_harness::measure::controls::Control;
 use tracebench_harness::measure::session::Session;
-use tracebench_harness::registrations::Family;
 use tracebench_harness::registry;
 use tracebench_harness::results::CaseTracer;
 use tracebench_harness::studies::stability::{Candidate, CaseMatrix, measure, prepare};
 
+/// An expectation as registrations tell it.
+fn expectation(told: &'static str) -> Expectation {
+    serde_json::from_str(told).unwrap()
+}
+
 /// A tracer with one expectation, and shares of wrong rays as a file has them.
-fn candidate(registration: Registration, case: &Case, expected: Expectation, shares: &str) -> Candidate {
+fn candidate(registration: Registration, case: &Case, expected: &Expectation, shares: &str) -> Candidate {
     let text = format!("tracer,case,software\nsubject,{},{shares}\n", case.name);
     let shares = Arc::new(ExpectedShares::parse(&text).unwrap());
     let request = TracerRequest::of(&registration, Preset::Published);
-    Candidate { request, expected: vec![(case.name, expected)], column: "subject".to_owned(), shares }
+    Candidate { request, expected: vec![(case.name, expected.clone())], column: "subject".to_owned(), shares }
 }
 
 fn bvh_cpu() -> Registration {
@@ -144,7 +148,7 @@ fn tracers_with_faults_are_unexpected_in_all_cells_but_those_listed() {
             let expectation = cell.expectation.as_ref().unwrap();
             if subject == "oracle" {
                 let must_err = |index| expectation.expected_share(index).is_some_and(|share| share > 0.01);
-                let must_refuse = expectation.kind == "unserved";
+                let must_refuse = expectation.kind == ExpectationKind::Unserved;
                 let expected = must_refuse || (0..case.difficulty_parameter.values.len()).any(must_err);
                 assert_eq!(cell.verdict.is_unexpected(), expected, "{}, {}: {}", case.name, column.column, cell.text);
                 right_unexpected += usize::from(expected);
@@ -167,12 +171,16 @@ fn tracers_with_faults_are_unexpected_in_all_cells_but_those_listed() {
 /// Proves that a falsified expectation fails in either direction, and names what was measured.
 #[test]
 fn falsified_expectations_fail() {
-    let failure = Expectation::KnownFailure { rule: Rule::HitMiss, reason: "none", source: "none" };
-    let bounded = Expectation::Bounded { rule: Rule::HitMiss, reason: "none" };
+    let [failure, bounded, exact] = [
+        r#"{"kind": "known_failure", "rule": "hit_miss", "reason": "none", "source": "none"}"#,
+        r#"{"kind": "bounded", "rule": "hit_miss", "reason": "none"}"#,
+        r#"{"kind": "exact", "rule": "tight"}"#,
+    ]
+    .map(expectation);
     let case = find("edge-on").unwrap();
     // What never fails, said to fail at the hardest difficulty level, or before it.
     for shares in ["45:0 80:0 87:0 89:0 89.8:0 89.98:20", "45:0 80:20 87:0 89:0 89.8:0 89.98:0"] {
-        let (verdict, text) = verdict(case, candidate(bvh_cpu(), case, failure, shares));
+        let (verdict, text) = verdict(case, candidate(bvh_cpu(), case, &failure, shares));
         assert_eq!(verdict, Verdict::UnexpectedSuccess, "{text}");
         assert!(text.contains("13 %"), "{text}");
     }
@@ -185,25 +193,25 @@ fn falsified_expectations_fail() {
         needles.difficulty_parameter.values.iter().zip(&stated).map(at).collect::<Vec<_>>().join(" ")
     };
     for (expected, factor, wanted) in [
-        (Expectation::Exact, 1.0, Verdict::UnexpectedFailure),
-        (bounded, 0.5, Verdict::UnexpectedFailure),
-        (failure, 0.5, Verdict::UnexpectedFailure),
-        (bounded, 2.0, Verdict::UnexpectedSuccess),
-        (failure, 2.0, Verdict::UnexpectedSuccess),
-        (bounded, 1.0, Verdict::Bounded),
-        (failure, 1.0, Verdict::KnownFailure),
+        (&exact, 1.0, Verdict::UnexpectedFailure),
+        (&bounded, 0.5, Verdict::UnexpectedFailure),
+        (&failure, 0.5, Verdict::UnexpectedFailure),
+        (&bounded, 2.0, Verdict::UnexpectedSuccess),
+        (&failure, 2.0, Verdict::UnexpectedSuccess),
+        (&bounded, 1.0, Verdict::Bounded),
+        (&failure, 1.0, Verdict::KnownFailure),
     ] {
         let (verdict, text) = verdict(needles, candidate(bvh_cpu(), needles, expected, &times(factor)));
         assert_eq!(verdict, wanted, "{text}");
     }
-    assert_eq!(verdict(case, candidate(bvh_cpu(), case, Expectation::Exact, "")).0, Verdict::Exact);
+    assert_eq!(verdict(case, candidate(bvh_cpu(), case, &exact, "")).0, Verdict::Exact);
     // What is not stated is shown as such: no expectation, or no share; and where a difficulty level has none it is said.
-    let nothing = Candidate { expected: Vec::new(), ..candidate(bvh_cpu(), case, Expectation::Exact, "") };
-    for unstated in [nothing, candidate(bvh_cpu(), case, failure, "")] {
+    let nothing = Candidate { expected: Vec::new(), ..candidate(bvh_cpu(), case, &exact, "") };
+    for unstated in [nothing, candidate(bvh_cpu(), case, &failure, "")] {
         let (verdict, text) = verdict(case, unstated);
         assert!(verdict == Verdict::Unstated && text.contains("unstated"), "{text}");
     }
-    let (verdict, text) = verdict(case, candidate(bvh_cpu(), case, bounded, "45:0 80:0 87:0 89:0 89.8:0 89.98:-"));
+    let (verdict, text) = verdict(case, candidate(bvh_cpu(), case, &bounded, "45:0 80:0 87:0 89:0 89.8:0 89.98:-"));
     assert_eq!(verdict, Verdict::Bounded, "{text}");
     assert!(text.contains("not judged from 89.98 degrees on: no share is stated"), "{text}");
 }
@@ -213,13 +221,13 @@ fn falsified_expectations_fail() {
 fn no_answers_are_a_failure() {
     let case = find("edge-on").unwrap();
     // An oracle that knows no rays.
-    let expected = Expectation::Bounded { rule: Rule::HitMiss, reason: "none" };
-    let oracle = Registration::sampled(
-        || Control::Oracle.description(),
-        Family::Image,
-        |_| Ok(Control::Oracle.tracer(Vec::new(), 1.0)),
-    );
-    let (verdict, text) = verdict(case, candidate(oracle, case, expected, "45:0"));
+    let expected = expectation(r#"{"kind": "bounded", "rule": "hit_miss", "reason": "none"}"#);
+    let oracle = Registration {
+        description: || Control::Oracle.description(),
+        create: |_| Ok(Control::Oracle.tracer(Vec::new(), 1.0)),
+        ..bvh_cpu()
+    };
+    let (verdict, text) = verdict(case, candidate(oracle, case, &expected, "45:0"));
     assert_eq!(verdict, Verdict::UnexpectedFailure);
     assert!(text.contains("rays that it does not know"), "{text}");
 }

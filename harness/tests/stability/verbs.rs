@@ -70,7 +70,7 @@ const VERBS: &[(&str, Verb)] = &[
     ("explain", |tracers, context| {
         let explain = |request: &TracerRequest| {
             let plan = plan("candy", std::slice::from_ref(request));
-            explain::execute(&plan, request, request.registration.remedies, context).unwrap()
+            explain::execute(&plan, request, &request.registration.remedies, context).unwrap()
         };
         tracers.iter().map(explain).collect()
     }),
@@ -78,7 +78,7 @@ const VERBS: &[(&str, Verb)] = &[
         let case = find("leaves").unwrap();
         let candidate = |request: &TracerRequest| Candidate {
             request: request.clone(),
-            expected: vec![(case.name, Expectation::Exact)],
+            expected: vec![(case.name, serde_json::from_str(r#"{"kind": "exact", "rule": "tight"}"#).unwrap())],
             column: String::new(),
             shares: Arc::default(),
         };

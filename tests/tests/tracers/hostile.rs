@@ -41,7 +41,7 @@ impl Subject {
             residency: description.residency,
             names_primitives: description.names_primitives,
             has_parts: registration.parts.is_some(),
-            one_origin: registration.one_origin,
+            one_origin: registration.one_origin(),
             preset,
             parameters,
             tracer,

@@ -46,7 +46,7 @@ fn parts(gpu: &Arc<Gpu>) -> Vec<Alone> {
         let description = registration.describe();
         let tracer = available(description.name, registration.create(&Ok(Arc::clone(gpu))), gpu)?;
         let part = Part { name: description.name, description, preset: Preset::Improved };
-        Some(Alone { part, one_origin: registration.one_origin, tracer: Shared(Rc::from(tracer)) })
+        Some(Alone { part, one_origin: registration.one_origin(), tracer: Shared(Rc::from(tracer)) })
     };
     on_device.filter_map(of).collect()
 }

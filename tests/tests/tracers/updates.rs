@@ -150,7 +150,7 @@ fn structures_follow(name: &str, time_s: f64) {
         let context = format!("{} over {name}", subject.name);
         let (start, later) = (at(name, 0.0), at(name, time_s));
         assert_eq!(start.mesh.triangles, later.mesh.triangles);
-        let (view, rays) = (views(&start)[0], rays(&later, 5, subject.registration.one_origin));
+        let (view, rays) = (views(&start)[0], rays(&later, 5, subject.registration.one_origin()));
         let fresh = subject.build(&geometry(&later, &subject.gpu), &view);
         let expected = subject.hits(&*fresh, &rays);
         for update in Update::ALL {
@@ -202,7 +202,7 @@ fn structures_follow_the_eye() {
     let scene = at("cloth", 0.0);
     let (mut stale, mut asked) = (BTreeSet::new(), BTreeSet::new());
     for subject in subjects() {
-        let rays = rays(&scene, 6, subject.registration.one_origin);
+        let rays = rays(&scene, 6, subject.registration.one_origin());
         let geometry = geometry(&scene, &subject.gpu);
         let [first, second] = views(&scene);
         // An analytic method that keeps every triangle may answer alike from everywhere; one of samples does not.
@@ -232,7 +232,7 @@ fn structures_follow_the_eye() {
 fn other_triangles_are_refused() {
     let (scene, other) = (at("cloth", 0.0), at("hangar", 0.0));
     for subject in subjects() {
-        let rays = rays(&scene, 7, subject.registration.one_origin);
+        let rays = rays(&scene, 7, subject.registration.one_origin());
         let geometry = geometry(&scene, &subject.gpu);
         let view = views(&scene)[0];
         let mut structure = subject.build(&geometry, &view);
@@ -257,7 +257,7 @@ fn structures_follow_growing_scenes() {
         let after = Geometry::new(grown.clone(), scene.mesh.triangles.clone(), Some(&subject.gpu)).unwrap();
         let [first, _] = views(&scene);
         let second = Viewpoint { eye: first.eye * 3.0, near: first.near * 3.0, far: first.far * 3.0, ..first };
-        let rays = rays(&scene, 8, subject.registration.one_origin).into_iter();
+        let rays = rays(&scene, 8, subject.registration.one_origin()).into_iter();
         let rays: Vec<Ray> = rays.map(|ray| Ray { origin: ray.origin.map(|value| 3.0 * value), ..ray }).collect();
         let expected = subject.hits(&*subject.build(&after, &second), &rays);
         let described = subject.registration.describe();

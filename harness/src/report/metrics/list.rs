@@ -94,7 +94,7 @@ pub(crate) const WITHOUT_AMBIGUOUS: Metric = metric(
         if trace.judgement.one_sided().is_some() {
             return None;
         }
-        let PerRule { hit_miss, tight, footprint } = closest(trace)?.agreement_without_ambiguous.clone()?;
+        let PerRule { hit_miss, tight, footprint } = closest(trace)?.agreement_without_ambiguous?;
         Some(Cell::Shares([hit_miss, tight, footprint], trace.count.saturating_sub(trace.judgement.ambiguous())))
     },
 );

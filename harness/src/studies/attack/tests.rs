@@ -18,7 +18,7 @@ use crate::measure::controls::Control;
 use crate::plan::SceneSource;
 use crate::progress::Progress;
 use crate::rays::{HOSTILE, RAY_SETS, default_parameters};
-use crate::registrations::{Family, Registration};
+use crate::registrations::{Create, Registration, Told};
 use crate::registry::Device;
 use crate::truth::{Cache, Ray64, Truth};
 use crate::viewpoint::Pose;
@@ -125,12 +125,14 @@ fn planted(fault: Fault) -> TracerRequest {
     fn described(name: &'static str) -> TracerDescription {
         TracerDescription { name, ..Control::AlwaysMiss.description() }
     }
-    let registration = match fault {
-        Fault::None => Registration::sampled(|| described("sound"), Family::Bvh, |_| tracer(Fault::None)),
-        Fault::Lost => Registration::sampled(|| described("losing"), Family::Bvh, |_| tracer(Fault::Lost)),
-        Fault::Far => Registration::sampled(|| described("far"), Family::Bvh, |_| tracer(Fault::Far)),
-        Fault::Refusing => Registration::sampled(|| described("refusing"), Family::Bvh, |_| tracer(Fault::Refusing)),
+    static TOLD: LazyLock<Told> = LazyLock::new(|| serde_json::from_str(r#"{"family": "bvh"}"#).unwrap());
+    let (description, create): (fn() -> TracerDescription, Create) = match fault {
+        Fault::None => (|| described("sound"), |_| tracer(Fault::None)),
+        Fault::Lost => (|| described("losing"), |_| tracer(Fault::Lost)),
+        Fault::Far => (|| described("far"), |_| tracer(Fault::Far)),
+        Fault::Refusing => (|| described("refusing"), |_| tracer(Fault::Refusing)),
     };
+    let registration = Registration { description, create, parts: None, told: &TOLD };
     TracerRequest::of(&registration, Preset::Published)
 }
 

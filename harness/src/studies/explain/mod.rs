@@ -15,24 +15,23 @@ use crate::judge::{Class, Rule};
 use crate::measure::session::{PreparedRays, Session};
 use crate::measure::{self, Context, MeasureOptions, Observations, RunError, records};
 use crate::plan::{Plan, TracerRequest};
-use crate::registrations::Remedy;
 use crate::results::{Explained, ExplanationRecord, GIVEN_UP, Record, RemedyRecord, SceneExplained, UNEXPLAINED};
 
 /// Why a ray is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cause {
+enum Cause<'a> {
     /// What a step takes away, or that its search was given up on the last one.
-    Known(&'static str),
+    Known(&'a str),
     /// No step takes it away.
     Left,
 }
 
 /// The cause of a ray's error from whether it was wrong on each step: the remedy after the last step on which it was; none
 /// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last step.
-fn cause(remedies: &[Remedy], wrong: &[bool], given_up: bool) -> Option<Cause> {
+fn cause<'a>(remedies: &'a [RemedyRecord], wrong: &[bool], given_up: bool) -> Option<Cause<'a>> {
     let last = wrong.iter().rposition(|wrong| *wrong)?;
     Some(match remedies.get(last) {
-        Some(remedy) => Cause::Known(remedy.cause),
+        Some(remedy) => Cause::Known(&remedy.cause),
         None if given_up => Cause::Known(GIVEN_UP),
         None => Cause::Left,
     })
@@ -55,12 +54,12 @@ struct RemedyOutcomes {
 pub fn execute(
     plan: &Plan,
     request: &TracerRequest,
-    remedies: &[Remedy],
+    remedies: &[RemedyRecord],
     context: &Context<'_>,
 ) -> Result<Record, RunError> {
     let fail = |error: TracerError| RunError::Tracer(request.name().to_owned(), error);
     let steps = steps(request, remedies).map_err(fail)?;
-    let judged = request.registration.otherwise.is_none();
+    let judged = !request.registration.is_analytic();
     // A step that changes nothing, as one of six views does where there are six, is what the one before was.
     let mut places: Vec<usize> = Vec::new();
     let mut requests: Vec<TracerRequest> = Vec::new();
@@ -100,7 +99,7 @@ pub fn execute(
                 (Ok(_), _) => {}
                 // What a larger device holds.
                 (Err(refusal), Some(step)) if refusal.too_large => {
-                    let Remedy { parameter, value, .. } = remedies[step - 1];
+                    let RemedyRecord { parameter, value, .. } = &remedies[step - 1];
                     left_out.insert(format!("{parameter}={value}"), refusal.reason.clone());
                 }
                 (Err(refusal), _) => {
@@ -114,25 +113,19 @@ pub fn execute(
         scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), left_out, sets });
         measure::add(&mut record, found);
     }
-    let step = |remedy: &Remedy| RemedyRecord {
-        cause: remedy.cause.to_owned(),
-        parameter: remedy.parameter.to_owned(),
-        value: remedy.value.to_owned(),
-        source: remedy.source.to_owned(),
-    };
-    let remedies = remedies.iter().map(step).collect();
+    let remedies = remedies.to_vec();
     record.explanation = Some(ExplanationRecord { tracer: records::request_record(request), remedies, judged, scenes });
     Ok(record)
 }
 
 /// The tracer on every step, first as asked for.
-fn steps(request: &TracerRequest, remedies: &[Remedy]) -> Result<Vec<TracerRequest>, TracerError> {
+fn steps(request: &TracerRequest, remedies: &[RemedyRecord]) -> Result<Vec<TracerRequest>, TracerError> {
     // Who cannot be measured is told by the step.
     let mut request = TracerRequest { required: false, ..request.clone() };
     let mut steps = vec![request.clone()];
     for remedy in remedies {
         request
-            .set(remedy.parameter, remedy.value)
+            .set(&remedy.parameter, &remedy.value)
             .map_err(|error| TracerError::Failed(format!("{}: {error}", remedy.cause)))?;
         steps.push(request.clone());
     }
@@ -160,7 +153,7 @@ fn look(
 
 /// Counts what was found; `judge` tells the causes of rays that no step explains.
 fn explained<E>(
-    remedies: &[Remedy],
+    remedies: &[RemedyRecord],
     rays: &PreparedRays,
     found: &RemedyOutcomes,
     judge: impl Fn(&[usize]) -> Result<BTreeMap<String, u64>, E>,

@@ -16,10 +16,10 @@ use tracebench_api::{AdapterChoice, Gpu, Preset, TraceTo};
 #[test]
 fn remedies_are_parameters() {
     for registration in registry::TRACERS.iter().filter(|each| !each.remedies.is_empty()) {
-        let (remedies, request) = (registration.remedies, TracerRequest::of(registration, Preset::Published));
+        let (remedies, request) = (&registration.remedies, TracerRequest::of(registration, Preset::Published));
         let steps = steps(&request, remedies).unwrap();
         assert_eq!(steps.len(), remedies.len() + 1);
-        let names = remedies.iter().map(|remedy| remedy.parameter);
+        let names = remedies.iter().map(|remedy| &remedy.parameter);
         assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), remedies.len());
         assert!(steps[0].parameters != steps[remedies.len()].parameters);
         // All are there at a time: what hangs together over steps is looked at in one interleaved set.
@@ -31,7 +31,7 @@ fn remedies_are_parameters() {
 /// tells.
 #[test]
 fn the_last_wrong_rung_tells_the_cause() {
-    let remedies = registry::find("dirt").unwrap().remedies;
+    let remedies = &registry::find("dirt").unwrap().remedies;
     let of = |steps: &[usize], given_up| {
         let wrong: Vec<bool> = (0..=remedies.len()).map(|step| steps.contains(&step)).collect();
         cause(remedies, &wrong, given_up)
@@ -71,7 +71,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
     let plan = in_the_room(&request, &["primary", "specular", "ao"]);
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
-    let explain = |remedies: &[Remedy]| {
+    let explain = |remedies: &[RemedyRecord]| {
         let record = execute(&plan, &request, remedies, &context).unwrap();
         // The rows of the steps tell the same numbers of wrong rays as the section.
         let found = record.explanation.unwrap();
@@ -85,7 +85,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         }
         found
     };
-    let found = explain(request.registration.remedies);
+    let found = explain(&request.registration.remedies);
     assert!(found.unexplained() == 0 && !found.judged);
     let sets = &found.scenes[0].sets;
     assert_eq!(sets.len(), 3);
@@ -96,10 +96,14 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         assert_eq!(set.of_cause(UNEXPLAINED), 0);
     }
     // Rays that the last step gives up are told from those that it gets wrong.
-    let capped = Remedy { cause: "nothing", parameter: "max_steps", value: "1", source: "" };
+    let steps_of = |value: &str| {
+        let [cause, parameter, value] = ["nothing", "max_steps", value].map(str::to_owned);
+        RemedyRecord { cause, parameter, value, source: String::new() }
+    };
+    let capped = steps_of("1");
     let capped = explain(&[capped]);
     assert!(capped.unexplained() == 0 && capped.scenes[0].sets[0].wrong_by_remedy[1] > 1000);
-    let idle = Remedy { cause: "nothing", parameter: "max_steps", value: "4096", source: "" };
+    let idle = steps_of("4096");
     let idle = explain(&[idle]);
     assert_eq!(idle.unexplained(), found.scenes[0].sets.iter().map(|set| set.wrong_by_remedy[0]).sum::<u64>());
     assert_eq!(idle.scenes[0].sets[0].of_cause(UNEXPLAINED), sets[0].wrong_by_remedy[0]);
@@ -109,7 +113,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
 /// row, but for those rays that were right at first; so that no set has more than the share that may be unexplained.
 #[test]
 fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
-    let sampled = |each: &&registry::Registration| each.otherwise.is_none() && !each.remedies.is_empty();
+    let sampled = |each: &&registry::Registration| !each.is_analytic() && !each.remedies.is_empty();
     let names: Vec<&str> = registry::TRACERS.iter().filter(sampled).map(registry::Registration::name).collect();
     assert_eq!(names, ["fragment-abuffer", "voxel-abuffer", "voxel-octree", "quadtree"]);
     // Side by side: none keeps all cores busy.
@@ -125,11 +129,11 @@ fn judge_explains_what_is_left(name: &str) {
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
     let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
-    let remedies = request.registration.remedies;
+    let remedies = &request.registration.remedies;
     let record = execute(&in_the_room(&request, &["ao", "random"]), &request, remedies, &context).unwrap();
     let found = record.explanation.unwrap();
     assert!(found.judged && found.left_open().is_empty(), "{name}");
-    let of_steps: Vec<&str> = remedies.iter().map(|remedy| remedy.cause).collect();
+    let of_steps: Vec<&str> = remedies.iter().map(|remedy| remedy.cause.as_str()).collect();
     let mut of_all = 0;
     for (set, trace) in found.scenes[0].sets.iter().zip(&record.rows.last().unwrap().traces) {
         let causes = trace.judgement.causes();

@@ -1,5 +1,7 @@
 //! Frames of a tracer that is right, of one that sees from its own eye alone, and of one that errs in every other frame.
 
+use std::sync::LazyLock;
+
 use glam::Vec3;
 use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, Invalidation, MemoryReport, Parameters, PhaseClock, Preset, Ray, Status,
@@ -12,7 +14,8 @@ use crate::measure::{Journal, controls};
 use crate::plan::{RunPreset, SceneSource, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters, primary_rays};
-use crate::registry::{Family, Registration};
+use crate::registrations::{Create, Registration, Told};
+use crate::registry;
 use crate::report;
 use crate::results::{ROUNDED_ORACLE, SampleSchedule, WorkRow};
 use crate::truth::{Cache, Truth};
@@ -122,12 +125,14 @@ fn silent() -> TracerDescription {
 }
 
 fn tracer(name: &str) -> TracerRequest {
-    let registration = match name {
-        "onlooker" => Registration::sampled(onlooker, Family::Image, |_| Ok(Box::new(Faulty(Fault::Elsewhere)))),
-        "blinker" => Registration::sampled(blinker, Family::Image, |_| Ok(Box::new(Faulty(Fault::Blinks)))),
-        "silent" => Registration::sampled(silent, Family::Image, |_| Ok(Box::new(Faulty(Fault::Silent)))),
-        _ => Registration::analytic(tracebench_bvh::description, Family::Bvh, |_| Ok(Box::new(BvhCpu))),
+    static TOLD: LazyLock<Told> = LazyLock::new(|| serde_json::from_str(r#"{"family": "image"}"#).unwrap());
+    let (description, create): (fn() -> TracerDescription, Create) = match name {
+        "onlooker" => (onlooker, |_| Ok(Box::new(Faulty(Fault::Elsewhere)))),
+        "blinker" => (blinker, |_| Ok(Box::new(Faulty(Fault::Blinks)))),
+        "silent" => (silent, |_| Ok(Box::new(Faulty(Fault::Silent)))),
+        _ => return TracerRequest::of(registry::find("bvh-cpu").unwrap(), Preset::Published),
     };
+    let registration = Registration { description, create, parts: None, told: &TOLD };
     TracerRequest::of(&registration, Preset::Published)
 }
 

@@ -115,7 +115,7 @@ impl<'a> Step<'a> {
     /// Bytes of the structure that any of the rays touched, as far as counters tell; none where none does.
     pub fn touched_bytes(&self) -> Option<f64> {
         let (row, trace) = (self.row?, self.trace?);
-        let touches = registry::find(&row.tracer.name)?.touches;
+        let touches = &registry::find(&row.tracer.name)?.touches;
         let mut told = touches.iter().filter_map(|touch| touched(row, trace, touch)).peekable();
         told.peek()?;
         Some(told.sum())

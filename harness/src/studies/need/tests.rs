@@ -26,7 +26,7 @@ fn steps_are_of_rooms() {
             let all = steps(&request, preset());
             assert!(all[0].values.is_empty() && all.len() <= MAX_RESIDENT, "{}", request.name());
             assert!(all[1..].iter().all(|step| step.values.len() == 1 && !step.request.required));
-            for shrink in registration.shrinks {
+            for shrink in &registration.shrinks {
                 // What changes nothing is no smaller structure.
                 let matters = registration.can_matter(shrink.axis, &request.parameters);
                 let wanted = if matters { smaller(&request, shrink) } else { Vec::new() };
@@ -37,7 +37,7 @@ fn steps_are_of_rooms() {
             }
         }
         let described = registration.describe();
-        for touch in registration.touches {
+        for touch in &registration.touches {
             assert!(touch.counter.ends_with("_touched") && !touch.parts.is_empty(), "{}", described.name);
         }
     }

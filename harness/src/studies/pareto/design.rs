@@ -230,7 +230,7 @@ mod tests {
             let request = TracerRequest::of(registration, Preset::Published);
             let names = registration.matters.iter().flat_map(|each| each.what.iter().chain([&each.by]));
             assert!(names.into_iter().all(|name| *name == RESOLUTION || known(name)), "{}", described.name);
-            for each in registration.matters {
+            for each in &registration.matters {
                 let by = described.parameters.iter().find(|other| other.name == each.by).unwrap();
                 assert!(each.values.iter().all(|value| by.parse(value).is_ok()), "{} {}", described.name, each.by);
             }

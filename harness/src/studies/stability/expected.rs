@@ -7,7 +7,7 @@ use super::{Measured, Stability, Verdict};
 use crate::cases::CASES;
 use crate::machine::Machine;
 use crate::registry::TRACERS;
-use crate::results::{ExpectationRecord, Record, Rule, Wrong};
+use crate::results::{Record, Rule, Wrong};
 use tracebench_api::Preset;
 
 /// The file, as the program was built with it.
@@ -135,8 +135,8 @@ fn expected_rules() -> BTreeMap<(String, String), Rule> {
     let mut rules = BTreeMap::new();
     for tracer in TRACERS {
         for (preset, case) in Preset::ALL.into_iter().flat_map(|preset| CASES.iter().map(move |case| (preset, case))) {
-            let expected = tracer.expected_of(preset, case.name).map(|expected| expected.record(&[], None));
-            if let Some(expected) = expected.filter(ExpectationRecord::has_shares) {
+            if let Some(expected) = tracer.expected_of(preset, case.name).filter(|expected| expected.kind.has_shares())
+            {
                 rules.insert((tracer.column(preset), case.name.to_owned()), expected.rule);
             }
         }

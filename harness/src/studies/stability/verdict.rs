@@ -2,7 +2,7 @@
 
 use super::{Cell, Measured};
 use crate::results::{
-    CaseRecord, EXACT, ExpectationRecord, MAX_UNEXPLAINED, NoAnswer, Rule, UNSERVED, UnexpectedOutcome,
+    CaseRecord, ExpectationKind, ExpectationRecord, MAX_UNEXPLAINED, NoAnswer, Rule, UnexpectedOutcome,
 };
 
 /// What came of a tracer on a case.
@@ -54,7 +54,7 @@ pub(super) fn cell(
     mut measured: Vec<Measured>,
 ) -> Cell {
     let (verdict, text) = match expected {
-        Some(expected) if expected.kind == UNSERVED => unserved(expected, &mut measured),
+        Some(expected) if expected.kind == ExpectationKind::Unserved => unserved(expected, &mut measured),
         Some(expected) if (0..measured.len()).any(|index| expected.expected_share(index).is_some()) => {
             stated(case, expected, &mut measured)
         }
@@ -155,9 +155,11 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
 /// The verdict where nothing is surprising.
 fn as_expected(expected: &ExpectationRecord, measured: &[Measured]) -> (Verdict, String) {
     let rule = expected.rule;
-    match expected.kind.as_str() {
-        EXACT => (Verdict::Exact, EXACT.to_owned()),
-        "bounded" => (Verdict::Bounded, format!("at most {} ({})", percent(worst(measured, rule)), rule.name())),
+    match expected.kind {
+        ExpectationKind::Exact => (Verdict::Exact, "exact".to_owned()),
+        ExpectationKind::Bounded => {
+            (Verdict::Bounded, format!("at most {} ({})", percent(worst(measured, rule)), rule.name()))
+        }
         _ => {
             let hardest = measured.iter().rev().find_map(|each| each.wrong).map_or(1.0, |wrong| wrong.under(rule));
             (Verdict::KnownFailure, format!("known failure {} ({})", percent(hardest), rule.name()))

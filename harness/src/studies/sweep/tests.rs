@@ -1,6 +1,7 @@
 //! Sweeps of a tracer that has room for few structures only.
 
 use std::cell::Cell;
+use std::sync::LazyLock;
 
 use tracebench_api::{
     Counter, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Structure, TraceJob, Tracer,
@@ -13,7 +14,7 @@ use crate::measure::Journal;
 use crate::plan::{RunPreset, SceneSource, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::registry::{Family, Registration};
+use crate::registrations::{Registration, Told};
 use crate::results::SampleSchedule;
 use crate::truth::Cache;
 
@@ -90,7 +91,10 @@ fn description() -> TracerDescription {
 }
 
 fn plan(own: &str) -> Plan {
-    let registration = Registration::analytic(description, Family::Bvh, |_| Ok(Box::new(Roomless)));
+    static TOLD: LazyLock<Told> = LazyLock::new(|| {
+        serde_json::from_str(r#"{"family": "bvh", "expectations": [{"kind": "exact", "rule": "tight"}]}"#).unwrap()
+    });
+    let registration = Registration { description, create: |_| Ok(Box::new(Roomless)), parts: None, told: &TOLD };
     let mut request = TracerRequest::of(&registration, Preset::Published);
     request.set("build", own).unwrap();
     let smoke = RunPreset::named("smoke").unwrap();
