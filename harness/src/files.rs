@@ -70,8 +70,13 @@ pub(crate) fn edit(path: &Path, contents: &[u8]) -> Result<(), FileError> {
 /// A temporary file in a folder: a rename does not cross file systems.
 fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tracebench-");
+    // Temporary files are private by default; results are for everyone whom the user's mask lets read.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     // The system's word alone: the temporary file's name would only puzzle.
-    builder().tempfile_in(folder).map_err(|error| error.raw_os_error().map_or(error, io::Error::from_raw_os_error))
+    builder.tempfile_in(folder).map_err(|error| error.raw_os_error().map_or(error, io::Error::from_raw_os_error))
 }
 
 /// A document as JSON, on one line: results are kept, and indented they are twice as large. `what` is the file's name, for
@@ -93,13 +98,4 @@ fn writing() -> RwLockReadGuard<'static, ()> {
 /// Lets no file be begun while what is given is there; those that were begun are whole by then. For who ends the process.
 pub(crate) fn stop_writing() -> RwLockWriteGuard<'static, ()> {
     WRITING.write().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Temporary files are private by default; results are for everyone whom the user's mask lets read.
-fn builder() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".tracebench-");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder
 }

@@ -58,17 +58,13 @@ impl TracerRequest {
 
     /// With means of its own; `None` for a tracer that cannot have them.
     pub(crate) fn with_launch_settings(mut self, launch: &LaunchSettings) -> Option<Self> {
-        let settings =
-            [(MEMORY_ACCESS, launch.memory_access.clone()), (RAYS_PER_LANE, launch.rays_per_lane.to_string())];
-        settings.iter().all(|(name, value)| self.set(name, value).is_ok()).then_some(self)
+        launch.values().iter().all(|(name, value)| self.set(name, value).is_ok()).then_some(self)
     }
 
     /// Takes means where none are set; they do not count as changed.
     pub fn use_launch_settings(&mut self, launch: &LaunchSettings) {
         let described = self.registration.describe().parameters;
-        for (name, value) in
-            [(MEMORY_ACCESS, launch.memory_access.clone()), (RAYS_PER_LANE, launch.rays_per_lane.to_string())]
-        {
+        for (name, value) in launch.values() {
             let own = self.changed.iter().any(|changed| changed == name);
             if !own && self.parameters.value(name).is_some() {
                 // A tracer that cannot have the value keeps its own.

@@ -65,12 +65,10 @@ pub fn dirty() -> Option<bool> {
 
 /// What tells this machine from others of its kind: a hash of what the system says of itself; empty where it says nothing.
 pub fn machine_id() -> String {
-    let id = std::fs::read_to_string("/etc/machine-id").unwrap_or_default() + &host_name();
+    let id =
+        ["/etc/machine-id", "/proc/sys/kernel/hostname"].map(|path| std::fs::read_to_string(path).unwrap_or_default());
+    let id = id.concat();
     if id.is_empty() { id } else { crate::hash::sha256_of(id.as_bytes())[..16].to_owned() }
-}
-
-fn host_name() -> String {
-    std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default()
 }
 
 /// Hash of the running program's file; empty if it cannot be read.
@@ -82,7 +80,8 @@ pub fn program_sha256() -> String {
 /// Looks at this machine, and at the device that is used.
 pub fn this_machine(gpu: Option<&Gpu>) -> Machine {
     Machine {
-        cpu: cpu_name().unwrap_or_else(|| format!("unknown {} processor", std::env::consts::ARCH)),
+        cpu: field("/proc/cpuinfo", "model name")
+            .unwrap_or_else(|| format!("unknown {} processor", std::env::consts::ARCH)),
         threads: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
         memory_bytes: memory_bytes(),
         os: os_name(),
@@ -97,10 +96,6 @@ fn field(path: &str, key: &str) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
     let value = text.lines().find_map(|line| line.split_once(':').filter(|(name, _)| name.trim() == key))?.1;
     Some(value.trim().to_owned()).filter(|value| !value.is_empty())
-}
-
-fn cpu_name() -> Option<String> {
-    field("/proc/cpuinfo", "model name")
 }
 
 fn memory_bytes() -> Option<u64> {

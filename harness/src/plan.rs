@@ -6,10 +6,9 @@ use serde_json::json;
 use tracebench_api::{ParameterError, ParameterScope, Parameters, Preset, TraceTo, Value};
 
 use crate::hash::sha256_of_file;
-use crate::machine;
 use crate::rays::RaySet;
 use crate::registry::Registration;
-use crate::results::{Adaptive, MIN_ROUNDS, SampleSchedule, ShardRecord};
+use crate::results::{Adaptive, MIN_ROUNDS, SampleSchedule};
 use crate::viewpoint::Pose;
 
 /// Largest edge of a frame or image, pixels.
@@ -226,35 +225,6 @@ impl TracerRequest {
     /// Whether the run fails without a device.
     pub fn must_have_device(&self) -> bool {
         self.required && self.registration.needs_device()
-    }
-}
-
-/// A part of a plan: every so manieth of its places.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// Which, from 1.
-    pub index: u32,
-    /// Of how many.
-    pub count: u32,
-    /// Hash of the whole plan.
-    pub plan_sha256: String,
-}
-
-impl Shard {
-    /// Whether a scene with its viewpoint, by its place in the plan, is of this part.
-    pub fn takes(&self, place: usize) -> bool {
-        place % self.count as usize + 1 == self.index as usize
-    }
-
-    /// As records have it.
-    pub fn record(&self) -> ShardRecord {
-        ShardRecord {
-            index: self.index,
-            count: self.count,
-            plan_sha256: self.plan_sha256.clone(),
-            program_sha256: machine::program_sha256(),
-            machine_id: machine::machine_id(),
-        }
     }
 }
 

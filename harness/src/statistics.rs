@@ -7,9 +7,6 @@ pub use trend::{Trend, trend};
 /// Standard normal quantile of a two-sided 95 % interval.
 const Z_95: f64 = 1.959_963_984_540_054;
 
-/// The coverage that intervals aim at.
-const WANTED_COVERAGE: f64 = 0.95;
-
 /// The median; the mean of the middle two for an even count; 0 for none.
 pub fn median(samples: &[f64]) -> f64 {
     let sorted = sorted(samples);
@@ -48,7 +45,7 @@ pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
 /// The k-th smallest and k-th largest of n samples enclose the median unless fewer than k samples fall on one side:
 /// coverage = 1 - 2 P(Binomial(n, 1/2) < k).
 pub fn median_interval(samples: &[f64]) -> ([f64; 2], f64) {
-    median_interval_of(samples, WANTED_COVERAGE)
+    median_interval_of(samples, 0.95)
 }
 
 /// [`median_interval`] with at least another coverage, where there are enough samples for it.

@@ -68,9 +68,10 @@ impl FramesArguments {
         let list = if self.rays.is_some() { "" } else { self.effect.as_deref().unwrap_or("primary") };
         let mut effects = Vec::new();
         for name in list.split(',').filter(|_| self.rays.is_none()) {
-            let known = || Effect::ALL.map(Effect::name).join(", ");
-            let effect = Effect::named(name)
-                .ok_or_else(|| CliError::Argument(format!("--effect: no effect '{name}'; there are: {}", known())))?;
+            let Some(effect) = Effect::ALL.into_iter().find(|effect| effect.name() == name) else {
+                let known = Effect::ALL.map(Effect::name).join(", ");
+                return Err(CliError::Argument(format!("--effect: no effect '{name}'; there are: {known}")));
+            };
             if effects.contains(&effect) {
                 return Err(CliError::Argument(format!("--effect: {name} is there twice")));
             }

@@ -14,11 +14,11 @@ use crate::files::{FileError, OutputFolder};
 use crate::launch;
 use crate::machine;
 use crate::measure::{self, Context, Journal, RunError, records};
-use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
+use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::{self, ReportError};
-use crate::results::{LaunchRecord, LaunchSettings, Provenance, Record, Skipped};
+use crate::results::{LaunchRecord, LaunchSettings, Provenance, Record, ShardRecord, Skipped};
 use crate::tables;
 use crate::truth::Cache;
 
@@ -223,7 +223,7 @@ impl<'a> Bench<'a> {
         work: impl FnOnce(&Context<'_>) -> Result<Record, RunError>,
     ) -> Result<Record, CliError> {
         let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
-        let of_plan = |[index, count]: [u32; 2]| Shard { index, count, plan_sha256: plan_sha256.clone() };
+        let of_plan = |[index, count]: [u32; 2]| ShardRecord::here(index, count, plan_sha256.clone());
         let shard = self.arguments.shard.map(of_plan);
         let is_begun = self.arguments.resume && Journal::is_in(self.out.path());
         if self.arguments.resume

@@ -250,28 +250,25 @@ fn pairs<'a, T>(a: &'a [T], b: &'a [T], same: fn(&T, &T) -> bool) -> (Vec<(&'a T
 
 /// What differs between the runs as wholes, a sentence each.
 fn differences(a: &Record, b: &Record) -> Vec<String> {
-    let adapter = |record: &Record| {
-        let adapter = record.provenance.machine.adapter.as_ref();
-        adapter
-            .map_or_else(|| "none".to_owned(), |each| format!("{}, {} {}", each.name, each.driver, each.driver_version))
-    };
-    let commit = |record: &Record| {
+    let told = |record: &Record| {
+        let (machine, commit) = (&record.provenance.machine, &record.provenance.commit);
+        let adapter = machine.adapter.as_ref();
+        let adapter = adapter.map(|each| format!("{}, {} {}", each.name, each.driver, each.driver_version));
         let mark = if record.provenance.dirty == Some(true) { " with changes" } else { "" };
-        format!("{}{mark}", record.provenance.commit)
+        [
+            ("processor", machine.cpu.clone()),
+            ("threads", machine.threads.to_string()),
+            ("adapter", adapter.unwrap_or_else(|| "none".to_owned())),
+            ("system", machine.os.clone()),
+            ("compiler", machine.rustc.clone()),
+            ("commit", format!("{commit}{mark}")),
+            ("preset", record.preset.clone()),
+            ("seed", record.seed.to_string()),
+            ("ray parameters", serde_json::to_string(&record.ray_parameters).unwrap_or_default()),
+        ]
     };
-    let parameters = |record: &Record| serde_json::to_string(&record.ray_parameters).unwrap_or_default();
-    let both = [
-        ("processor", a.provenance.machine.cpu.clone(), b.provenance.machine.cpu.clone()),
-        ("threads", a.provenance.machine.threads.to_string(), b.provenance.machine.threads.to_string()),
-        ("adapter", adapter(a), adapter(b)),
-        ("system", a.provenance.machine.os.clone(), b.provenance.machine.os.clone()),
-        ("compiler", a.provenance.machine.rustc.clone(), b.provenance.machine.rustc.clone()),
-        ("commit", commit(a), commit(b)),
-        ("preset", a.preset.clone(), b.preset.clone()),
-        ("seed", a.seed.to_string(), b.seed.to_string()),
-        ("ray parameters", parameters(a), parameters(b)),
-    ];
-    both.into_iter().filter(|(_, a, b)| a != b).map(|(what, a, b)| format!("{what}: {a} against {b}")).collect()
+    let both = told(a).into_iter().zip(told(b)).filter(|(a, b)| a != b);
+    both.map(|((what, a), (_, b))| format!("{what}: {a} against {b}")).collect()
 }
 
 /// Why times of two runs decide nothing, whatever their ratio is.

@@ -66,16 +66,12 @@ pub fn read(folder: &Path, set: &SavedRays) -> Result<Answers, ExchangeError> {
         }
         *slot = Hit { t, primitive, u: 0.0, v: 0.0, status: Status::Hit as u32 };
     }
-    let self_reported = match optional("times.json") {
-        None => None,
-        Some(path) => {
-            let told: SelfReported =
-                serde_json::from_str(&text(&path)?).map_err(|error| invalid("times.json", error.to_string()))?;
-            if [told.build_ms, told.trace_ms].into_iter().flatten().any(|ms| !(0.0..1e15).contains(&ms)) {
-                return Err(invalid("times.json", "must be of milliseconds, 0 or more".to_owned()));
-            }
-            Some(told)
-        }
-    };
+    let told = optional("times.json").map(|path| text(&path)).transpose()?;
+    let self_reported = told.map(|told| serde_json::from_str::<SelfReported>(&told)).transpose();
+    let self_reported = self_reported.map_err(|error| invalid("times.json", error.to_string()))?;
+    let mut times = self_reported.iter().flat_map(|told| [told.build_ms, told.trace_ms]).flatten();
+    if times.any(|ms| !(0.0..1e15).contains(&ms)) {
+        return Err(invalid("times.json", "must be of milliseconds, 0 or more".to_owned()));
+    }
     Ok(Answers { hits, names_triangles: triangles.is_some(), self_reported })
 }

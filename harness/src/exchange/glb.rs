@@ -71,10 +71,7 @@ pub fn glb(mesh: &Mesh, name: &str) -> Result<(Vec<u8>, Scene), ExchangeError> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let whole = u32::try_from(12 + 8 + text.len() + 8 + bytes.len())
         .map_err(|_| invalid("is larger than the 4 GiB that a .glb may have: take a smaller one"))?;
-    let mut file = Vec::with_capacity(whole as usize);
-    for part in [&b"glTF"[..], &2_u32.to_le_bytes(), &whole.to_le_bytes()] {
-        file.extend_from_slice(part);
-    }
+    let mut file = [&b"glTF"[..], &2_u32.to_le_bytes(), &whole.to_le_bytes()].concat();
     for (kind, chunk) in [(b"JSON", text), (b"BIN\0", bytes)] {
         // Each below the whole.
         file.extend_from_slice(&(chunk.len() as u32).to_le_bytes());

@@ -13,11 +13,11 @@ use super::kernels::Kernels;
 use super::resident_batch::measure;
 use super::workload::{Hook, MeasureOptions, Measured, PreparedWorkload, Refusal, Workload};
 use super::{Journal, RunError, TracerCache, TracerConfig, load, prepare, records};
-use crate::plan::{Plan, Shard, TracerRequest};
+use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
 use crate::rays::RaySet;
 use crate::registry::Device;
-use crate::results::{LaunchRecord, Provenance, Record, Row, SCHEMA, Skipped};
+use crate::results::{LaunchRecord, Provenance, Record, Row, SCHEMA, ShardRecord, Skipped};
 use crate::truth::Cache;
 
 /// What everything is measured with.
@@ -31,7 +31,7 @@ pub struct Context<'a> {
     /// What has ended.
     pub journal: &'a Journal,
     /// Which of the plan's places are measured; all without one.
-    pub shard: Option<Shard>,
+    pub shard: Option<ShardRecord>,
     /// How searches read and are launched where nothing is set: what the requests have taken.
     pub launch: Option<LaunchRecord>,
     tracer_cache: RefCell<TracerCache>,
@@ -234,7 +234,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
     }
     provenance.resumed = resumed.to_vec();
     provenance.launch.clone_from(&context.launch);
-    provenance.shard = context.shard.as_ref().map(Shard::record);
+    provenance.shard.clone_from(&context.shard);
     Record { schema: SCHEMA, provenance, control_names: Control::names(), ..Record::default() }
 }
 

@@ -70,7 +70,7 @@ impl SceneRows<'_> {
         }
         let time = |row: &Row| sets.iter().map(|rays| host_ms(&trace(row, rays)?.times)).sum::<Option<f64>>();
         let all = at_launch_settings(&ones, &others, time, |one, other| self.together(one, other, sets));
-        Some(found.spread_over(all.equal.into_iter().map(|(_, ratio)| ratio).chain(all.best.map(|(_, ratio)| ratio))))
+        Some(found.spread_over(all))
     }
 }
 

@@ -2,23 +2,11 @@
 
 use super::{Image8, ImageError, Rgb};
 
-/// Pixels of eight bits a channel, of the kind that `set` says, as a PNG.
+/// Frames of eight bits a channel, of the kind that `set` says, as a PNG.
 pub(crate) fn encoded(
-    size: [u32; 2],
-    pixels: &[u8],
-    set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>),
-) -> Result<Vec<u8>, ImageError> {
-    let set = |encoder: &mut png::Encoder<'_, &mut Vec<u8>>| {
-        set(encoder);
-        Ok(())
-    };
-    written(size, set, &[pixels])
-}
-
-fn written(
     [width, height]: [u32; 2],
-    set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>) -> Result<(), png::EncodingError>,
     frames: &[&[u8]],
+    set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>) -> Result<(), png::EncodingError>,
 ) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
@@ -39,7 +27,8 @@ pub fn animation(frames: &[Image8], fps: f64) -> Result<Vec<u8>, ImageError> {
     let size = same_size(frames)?;
     // Browsers show what is faster than 50 Hz slowly, and a delay has 16 bits.
     let delay_ms = (1000.0 / fps).round().clamp(20.0, f64::from(u16::MAX)) as u16;
-    let set = |encoder: &mut png::Encoder<'_, &mut Vec<u8>>| {
+    let pixels: Vec<&[u8]> = frames.iter().map(|frame| frame.pixels.as_flattened()).collect();
+    encoded(size, &pixels, |encoder| {
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_compression(png::Compression::High);
         if frames.len() > 1 {
@@ -47,8 +36,7 @@ pub fn animation(frames: &[Image8], fps: f64) -> Result<Vec<u8>, ImageError> {
             encoder.set_frame_delay(delay_ms, 1000)?;
         }
         Ok(())
-    };
-    written(size, set, &frames.iter().map(|frame| frame.pixels.as_flattened()).collect::<Vec<_>>())
+    })
 }
 
 fn same_size(images: &[Image8]) -> Result<[u32; 2], ImageError> {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Effect, Rgb};
+use crate::results::ImageRow;
 
 /// How finely FLIP's observer sees: pixels a degree of view, as of a 4K screen of 0.7 m at 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 67.0;
@@ -25,14 +26,20 @@ pub enum ImageError {
     Failed(String),
 }
 
-/// Radiances.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LinearImage {
+/// An image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image<P> {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Linear red, green and blue, row by row from the top.
-    pub pixels: Vec<[f32; 3]>,
+    /// Row by row from the top.
+    pub pixels: Vec<P>,
 }
+
+/// Radiances: linear red, green and blue.
+pub type LinearImage = Image<[f32; 3]>;
+
+/// An image as it is shown: sRGB, 8 bits a channel.
+pub type Image8 = Image<Rgb>;
 
 /// What radiances are multiplied by before they are shown; one for all frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,15 +70,6 @@ fn luma([red, green, blue]: [f64; 3]) -> f64 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue
 }
 
-/// An image as it is shown: sRGB, 8 bits a channel.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Image8 {
-    /// Width and height, pixels.
-    pub size: [u32; 2],
-    /// Row by row from the top.
-    pub pixels: Vec<Rgb>,
-}
-
 /// A linear value in [0, 1], held to it, as 8-bit sRGB (IEC 61966-2-1).
 pub(crate) fn to_srgb(linear: f64) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
@@ -87,21 +85,6 @@ impl LinearImage {
     }
 }
 
-/// What an image is like beside its reference. All of 8-bit sRGB, whose values are taken from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Likeness {
-    /// Mean squared error over pixels and channels.
-    pub mse: f64,
-    /// Peak signal-to-noise ratio, dB; `None` where there is no error.
-    pub psnr_db: Option<f64>,
-    /// Structural similarity of luma as image-compare has it: windows of 8x8 pixels side by side, sums for variances; 1 is equal.
-    pub ssim: f64,
-    /// Mean FLIP: 0 is equal, 1 the most. `None` of depths and normals.
-    pub flip: Option<f64>,
-    /// Pixels of which a channel is off by more than 1/255.
-    pub beyond: u64,
-}
-
 fn check(reference: &Image8, answer: &Image8) -> Result<(), ImageError> {
     if reference.size != answer.size || reference.pixels.len() != answer.pixels.len() {
         return Err(ImageError::Size(reference.size, answer.size));
@@ -109,11 +92,11 @@ fn check(reference: &Image8, answer: &Image8) -> Result<(), ImageError> {
     if reference.pixels.is_empty() { Err(ImageError::Empty) } else { Ok(()) }
 }
 
-/// What an answer is like beside the reference.
+/// What an answer is like beside the reference; nothing of waves and of other frames.
 ///
 /// # Errors
 /// [`ImageError`] for images of different sizes, and without pixels.
-pub fn likeness(effect: Effect, reference: &Image8, answer: &Image8) -> Result<Likeness, ImageError> {
+pub fn likeness(effect: Effect, reference: &Image8, answer: &Image8) -> Result<ImageRow, ImageError> {
     let squares = errors(reference, answer)?.into_iter().flatten().map(|error| f64::from(error).powi(2));
     let mse = squares.sum::<f64>() / (3 * reference.pixels.len()) as f64;
     let failed = |error: image_compare::CompareError| ImageError::Failed(error.to_string());
@@ -124,7 +107,7 @@ pub fn likeness(effect: Effect, reference: &Image8, answer: &Image8) -> Result<L
     });
     let beyond = beyond(reference, answer)?.into_iter().filter(|beyond| *beyond).count() as u64;
     let psnr_db = (mse > 0.0).then(|| -10.0 * mse.log10());
-    Ok(Likeness { mse, psnr_db, ssim: ssim.score, flip, beyond })
+    Ok(ImageRow { mse, psnr_db, ssim: ssim.score, flip, beyond, ..ImageRow::default() })
 }
 
 fn gray(image: &Image8) -> Result<GrayImage, ImageError> {

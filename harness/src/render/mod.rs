@@ -19,7 +19,7 @@ use tracebench_scenes::Material;
 pub(crate) use encode::encoded;
 pub use encode::{animation, strip};
 pub use image::{
-    Exposure, Image8, ImageError, Likeness, LinearImage, PIXELS_PER_DEGREE, beyond, error_picture, errors, likeness,
+    Exposure, Image, Image8, ImageError, LinearImage, PIXELS_PER_DEGREE, beyond, error_picture, errors, likeness,
 };
 pub use motion::{image_flicker, motion};
 pub use paths::Paths;
@@ -57,11 +57,6 @@ named! {
 pub const MOST_BOUNCES: u32 = 4;
 
 impl Effect {
-    /// The effect of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|effect| effect.name() == name)
-    }
-
     /// Where its closest-hit waves end.
     pub fn end(self) -> TraceTo {
         if self == Self::Depth { TraceTo::Hit } else { TraceTo::Surface }
@@ -123,7 +118,8 @@ pub struct Stage {
     pub diagonal: f64,
     /// Whether what the eye sees first is a mirror in `mirror`: there is none.
     pub mirror_first: bool,
-    notes: Vec<String>,
+    /// What shading ignores or assumes, a sentence each; to be said once.
+    pub notes: Vec<String>,
 }
 
 /// Radiance of the sky.
@@ -168,11 +164,6 @@ impl Stage {
             mirror_first,
             notes,
         }
-    }
-
-    /// What shading ignores or assumes, a sentence each; to be said once.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
     }
 }
 
@@ -229,11 +220,6 @@ impl Wave {
             (odd, bounce) if odd % 2 == 1 => format!("shadow {bounce}"),
             (_, bounce) => format!("bounce {bounce}"),
         }
-    }
-
-    /// The truth's answers.
-    pub fn answers_of_truth(&self, truth: &Truth) -> Vec<Answer> {
-        self.answers_of_hits(truth, |ray| truth.closest(&Ray64::from(&self.rays[ray])))
     }
 
     /// Answers from nearest hits that are known already, by ray.

@@ -30,14 +30,12 @@ const ERROR_STEPS: u8 = 120;
 /// Decades of the scale of errors, up to the scene's diagonal.
 pub(crate) const ERROR_DECADES: f64 = 6.0;
 
-/// Colours by their number; the first is transparent.
-type Palette = Vec<Rgb>;
-
 /// An image whose pixels name colours.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Painted {
     size: [u32; 2],
-    palette: Palette,
+    /// Colours by their number; the first is transparent.
+    palette: Vec<Rgb>,
     pixels: Vec<u8>,
 }
 
@@ -51,7 +49,7 @@ pub(crate) struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    fn paint(&self, palette: Palette, colour: impl Fn(usize) -> u8) -> Painted {
+    fn paint(&self, palette: Vec<Rgb>, colour: impl Fn(usize) -> u8) -> Painted {
         let mut pixels = vec![NONE; self.size[0] as usize * self.size[1] as usize];
         for (ray, pixel) in self.pixels.iter().enumerate() {
             if let Some(place) = pixels.get_mut(*pixel as usize).filter(|place| **place == NONE) {
@@ -125,11 +123,12 @@ impl Painted {
     /// # Errors
     /// [`ImageError::Encode`].
     pub(crate) fn png(&self) -> Result<Vec<u8>, ImageError> {
-        encoded(self.size, &self.pixels, |encoder| {
+        encoded(self.size, &[&self.pixels], |encoder| {
             encoder.set_color(png::ColorType::Indexed);
             encoder.set_palette(self.palette.as_flattened().to_vec());
             encoder.set_trns(vec![0]);
             encoder.set_compression(png::Compression::High);
+            Ok(())
         })
     }
 }

@@ -30,6 +30,7 @@ pub struct Paths {
     effect: Effect,
     forward: DVec3,
     size: [u32; 2],
+    /// Samples of a pixel: path `p` belongs to pixel `p / spp`, in scanline order.
     spp: u32,
     seed: u64,
     paths: Vec<Path>,
@@ -74,11 +75,6 @@ impl Paths {
             pending: VecDeque::from([eye]),
             outcomes: Vec::new(),
         }
-    }
-
-    /// Samples of a pixel: path `p` belongs to pixel `p / spp`, in scanline order.
-    pub fn spp(&self) -> u32 {
-        self.spp
     }
 
     /// The next wave; it is to be answered before the next is asked for. `None` at the end.

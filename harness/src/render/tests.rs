@@ -5,6 +5,7 @@ use tracebench_api::{Geometry, Hit, Query, Status, Surface, SurfaceStatus, Trace
 use tracebench_scenes::Material;
 
 use super::*;
+use crate::results::ImageRow;
 use crate::truth::Truth;
 
 mod f64_renderer;
@@ -79,6 +80,11 @@ fn looking(eye: [f32; 3], forward: [f32; 3], up: [f32; 3]) -> Viewpoint {
 const SIZE: [u32; 2] = [64, 32];
 const SEED: u64 = 7;
 
+/// The truth's answers to a wave.
+fn answers_of_truth(wave: &Wave, truth: &Truth) -> Vec<Answer> {
+    wave.answers_of_hits(truth, |ray| truth.closest(&Ray64::from(&wave.rays[ray])))
+}
+
 /// The image of what `answers` says of each wave.
 fn traced(
     stage: &Stage,
@@ -97,7 +103,7 @@ fn traced(
 
 fn true_image(model: &Model, stage: &Stage, effect: Effect, viewpoint: &Viewpoint, spp: u32) -> LinearImage {
     let truth = model.truth();
-    traced(stage, effect, viewpoint, spp, |wave| wave.answers_of_truth(&truth)).image()
+    traced(stage, effect, viewpoint, spp, |wave| answers_of_truth(wave, &truth)).image()
 }
 
 /// Each pixel's centre with the point of a plane that it shows, if the plane lies before the eye.
@@ -135,7 +141,7 @@ fn a_convex_body_in_a_furnace_shows_its_colour() {
         assert!(!close(centre, DVec3::new(0.8, 0.2, 0.2)));
         let truth = model.truth();
         let lost = traced(&stage, effect, &viewpoint, 2, |wave| {
-            let mut answers = wave.answers_of_truth(&truth);
+            let mut answers = answers_of_truth(wave, &truth);
             answers.iter_mut().filter(|answer| **answer != Answer::Miss).for_each(|answer| *answer = Answer::Miss);
             answers
         });
@@ -192,7 +198,7 @@ fn a_mirror_shows_what_its_image_sees() {
     let image = |turned: f64| {
         let turn = glam::DQuat::from_rotation_x(turned.to_radians());
         let paths = traced(&stage, Effect::Mirror, &viewpoint, 1, |wave| {
-            let mut answers = wave.answers_of_truth(&truth);
+            let mut answers = answers_of_truth(wave, &truth);
             for answer in &mut answers {
                 if let Answer::Hit { normal, material: MIRROR, .. } = answer {
                     *normal = turn * *normal;
@@ -277,7 +283,7 @@ fn every_effect_is_that_of_a_recursive_renderer() {
                 .filter(|far| **far)
                 .count()
         };
-        let true_answers = |wave: &Wave| wave.answers_of_truth(&truth);
+        let true_answers = |wave: &Wave| answers_of_truth(wave, &truth);
         let image = traced(&stage, effect, &viewpoint, f64_renderer::SPP, true_answers).image();
         assert_eq!(beside(&image), 0, "{effect:?}");
         let corrupted = |corrupt: &dyn Fn(&Wave, &mut Answer)| {
@@ -335,11 +341,11 @@ fn the_first_rays_are_primary_rays() {
 fn a_difference_names_its_wave() {
     let (model, viewpoint) = (room(), room_view());
     let (stage, truth) = (stage(&model), model.truth());
-    let right = traced(&stage, Effect::Path, &viewpoint, 2, |wave| wave.answers_of_truth(&truth));
+    let right = traced(&stage, Effect::Path, &viewpoint, 2, |wave| answers_of_truth(wave, &truth));
     for number in [0, 1, 2, 3, 5] {
         let mut pixel = 0;
         let wrong = traced(&stage, Effect::Path, &viewpoint, 2, |wave| {
-            let mut answers = wave.answers_of_truth(&truth);
+            let mut answers = answers_of_truth(wave, &truth);
             if wave.number == number {
                 let ray = answers.len() / 2;
                 pixel = wave.paths[ray] / 2;
@@ -355,7 +361,7 @@ fn a_difference_names_its_wave() {
         assert_eq!(first.iter().filter(|found| found.is_some()).count(), 1);
         assert_eq!(first[pixel as usize], Some(number));
     }
-    let again = traced(&stage, Effect::Path, &viewpoint, 2, |wave| wave.answers_of_truth(&truth));
+    let again = traced(&stage, Effect::Path, &viewpoint, 2, |wave| answers_of_truth(wave, &truth));
     assert!(again.first_difference(&right).iter().all(Option::is_none));
 }
 
@@ -369,7 +375,7 @@ fn followers_trace_their_leader_s_rays() {
         let (mut leader, mut follower) = (make(), make());
         while let Some((wave, own)) = leader.next_wave().zip(follower.next_wave()) {
             assert_eq!((wave.number, &wave.rays, &wave.paths), (own.number, &own.rays, &own.paths));
-            let answers = wave.answers_of_truth(&truth);
+            let answers = answers_of_truth(&wave, &truth);
             leader.answer(&wave, &answers);
             let answers = if misses { vec![Answer::Miss; answers.len()] } else { answers };
             follower.answer(&own, &answers);
@@ -432,7 +438,7 @@ fn flip_of_greys(one: u8, other: u8) -> f64 {
 #[test]
 fn constant_images_have_the_likeness_of_the_formulas() {
     let equal = likeness(Effect::Path, &constant(90), &constant(90)).unwrap();
-    assert_eq!(equal, Likeness { mse: 0.0, psnr_db: None, ssim: 1.0, flip: Some(0.0), beyond: 0 });
+    assert_eq!(equal, ImageRow { ssim: 1.0, flip: Some(0.0), ..ImageRow::default() });
     for [one, other] in [[0, 255], [100, 140], [200, 190], [30, 31]] {
         let found = likeness(Effect::Path, &constant(one), &constant(other)).unwrap();
         let (x, y) = (f64::from(one), f64::from(other));

@@ -112,14 +112,8 @@ impl AttackRecord {
             (_, Rule::HitMiss) => Rule::Tight.name(),
             (_, rule) => rule.name(),
         };
-        let mut causes: Vec<(String, u64)> = trace
-            .judgement
-            .causes()
-            .get(rule)
-            .into_iter()
-            .flatten()
-            .map(|(cause, rays)| (cause.clone(), *rays))
-            .collect();
+        let found = trace.judgement.causes().get(rule).into_iter().flatten();
+        let mut causes: Vec<(String, u64)> = found.map(|(cause, rays)| (cause.clone(), *rays)).collect();
         causes.sort_by_key(|(_, rays)| std::cmp::Reverse(*rays));
         causes
     }

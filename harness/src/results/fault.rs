@@ -6,13 +6,10 @@ use tracebench_api::Query;
 
 use super::values::Checked;
 use super::{
-    Classes, InterleavedSetRecord, Judgement, Percentiles, PoseRecord, Provenance, RULES_VERSION, Record, Row, Times,
-    TraceRecord, TrueCounts, WaveRow,
+    Accuracy, ByRule, InterleavedSetRecord, Judgement, Percentiles, PoseRecord, RULES_VERSION, Record, Row, Rule,
+    Times, TraceRecord, TrueCounts, WaveRow,
 };
 use crate::statistics::median;
-
-/// A field, whether its rule holds, and the rule.
-type Rule = (&'static str, bool, &'static str);
 
 /// Configurations whose score is known beforehand: a record has rows of all of them, whatever it says.
 pub const CONTROL_NAMES: [&str; 4] = ["oracle", "always-miss", "always-hit", "corrupted"];
@@ -38,84 +35,67 @@ impl Record {
 
     /// Whether it can be of a run; else which field is not as it must be.
     fn check(&self) -> Result<(), String> {
-        let Provenance { rules_version, .. } = self.provenance;
+        let version = self.provenance.rules_version;
+        must("", "rules_version", version <= RULES_VERSION, "that of this program or less: take a newer program")?;
         let asked = |name: &&str| self.control_names.iter().any(|one| one == name);
-        all(
-            "",
-            [
-                ("rules_version", rules_version <= RULES_VERSION, "that of this program or less: take a newer program"),
-                ("control_names", rules_version == 0 || CONTROL_NAMES.iter().all(asked), "all controls"),
-            ],
-        )?;
+        must("", "control_names", version == 0 || CONTROL_NAMES.iter().all(asked), "all controls")?;
         // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
         let may_be_empty = self.provenance.shard.is_some() || self.cases.is_some() || self.frames.is_some();
-        all("", [("rows", may_be_empty || !self.rows.is_empty(), "filled: it has no rows")])?;
+        must("", "rows", may_be_empty || !self.rows.is_empty(), "filled: it has no rows")?;
         for (list, rows) in [("rows", &self.rows), ("controls", &self.controls), ("anchors", &self.anchors)] {
             each(list, rows, |at, row| self.row(at, row))?;
         }
         each("interleaved_sets", &self.interleaved_sets, interleaved_set_is_sound)?;
         if let Some(sweep) = &self.sweep {
             each("sweep.axes", &sweep.axes, |at, axis| {
-                all(at, [("values", axis.values.contains(&axis.own), "a list with `own` in it")])
+                must(at, "values", axis.values.contains(&axis.own), "a list with `own` in it")
             })?;
         }
         for case in self.cases.iter().flat_map(|record| &record.cases) {
-            all(
-                "cases.cases",
-                [("difficulty_parameter.values", !case.difficulty_parameter.values.is_empty(), "filled")],
-            )?;
+            let filled = !case.difficulty_parameter.values.is_empty();
+            must("cases.cases", "difficulty_parameter.values", filled, "filled")?;
         }
         if let Some(found) = &self.explanation {
             let steps = found.remedies.len() + 1;
             each("explanation.scenes", &found.scenes, |at, scene| {
                 each(&format!("{at}.sets"), &scene.sets, |at, set| {
                     let rule = "a number for the tracer as it was asked for and one for each of `remedies`";
-                    all(at, [("wrong_by_remedy", set.wrong_by_remedy.len() == steps, rule)])
+                    must(at, "wrong_by_remedy", set.wrong_by_remedy.len() == steps, rule)
                 })
             })?;
         }
         if let Some(frames) = &self.frames {
             each("frames.scenes", &frames.scenes, |at, scene| {
-                let all = scene.viewpoints.len() == scene.scene_sha256.len()
-                    && scene.viewpoints.len() <= frames.frames as usize;
-                self::all(at, [("viewpoints", all, "one a frame")])
+                let count = scene.viewpoints.len();
+                let all = count == scene.scene_sha256.len() && count <= frames.frames as usize;
+                must(at, "viewpoints", all, "one a frame")
             })?;
             each("frames.rows", &frames.rows, |at, row| {
                 let scene = frames.scenes.get(row.scene as usize);
+                must(at, "scene", scene.is_some(), "the place of one of `frames.scenes`")?;
                 let set = row.interleaved_set.is_none_or(|set| (set as usize) < self.interleaved_sets.len());
+                must(at, "interleaved_set", set, "the place of one of `interleaved_sets`")?;
                 let few = scene.is_some_and(|scene| row.frames.len() <= scene.viewpoints.len());
-                let waves = row.frames.iter().flat_map(|frame| frame.works.values()).flat_map(|work| &work.waves);
+                must(at, "frames", few, "no more than the scene has")?;
+                let mut waves = row.frames.iter().flat_map(|frame| frame.works.values()).flat_map(|work| &work.waves);
                 let sound =
                     |wave: &WaveRow| wave.judged <= wave.rays && wave.right.iter().all(|right| *right <= wave.judged);
-                all(
-                    at,
-                    [
-                        ("scene", scene.is_some(), "the place of one of `frames.scenes`"),
-                        ("interleaved_set", set, "the place of one of `interleaved_sets`"),
-                        ("frames", few, "no more than the scene has"),
-                        (
-                            "frames.works.waves",
-                            waves.clone().all(sound),
-                            "no more right than judged, and no more judged than there are",
-                        ),
-                    ],
-                )
+                let rule = "no more right than judged, and no more judged than there are";
+                must(at, "frames.works.waves", waves.all(sound), rule)
             })?;
         }
         if let Some(attack) = &self.attack {
             each("attack.searches", &attack.searches, |at, search| {
+                must(at, "found", !search.found.is_empty(), "filled")?;
                 let sound = |pose: &PoseRecord| pose.wrong <= pose.judged;
-                let all_sound = search.found.iter().chain([&search.random]).all(sound);
-                let rules =
-                    [("found", !search.found.is_empty(), "filled"), ("wrong", all_sound, "no more than `judged`")];
-                all(at, rules)
+                must(at, "wrong", search.found.iter().chain([&search.random]).all(sound), "no more than `judged`")
             })?;
         }
         if let Some(pareto) = &self.pareto {
             each("pareto.scenes", &pareto.scenes, |at, scene| {
                 let points = scene.pictures.iter().flat_map(|set| &set.points);
                 let known = points.map(|pictures| pictures.point).all(|point| point < pareto.points.len());
-                all(at, [("pictures", known, "of `points` that there are")])
+                must(at, "pictures", known, "of `points` that there are")
             })?;
         }
         Ok(())
@@ -127,7 +107,7 @@ impl Record {
             times.as_ref().map_or(Ok(()), |times| self.times(&format!("{at}.build.{name}"), times))?;
         }
         let bytes: u64 = row.memory.structure.iter().map(|part| part.allocated_bytes).fold(0, u64::saturating_add);
-        all(at, [("memory.structure_bytes", row.memory.structure_bytes == bytes, "the sum of its parts")])?;
+        must(at, "memory.structure_bytes", row.memory.structure_bytes == bytes, "the sum of its parts")?;
         each(&format!("{at}.traces"), &row.traces, |at, trace| {
             self.times(at, &trace.times)?;
             trace_is_sound(at, trace)
@@ -138,145 +118,99 @@ impl Record {
         let Times { samples_ms, submit_to_done_samples_ms, interval_ms: [low, high], .. } = times;
         let samples = samples_ms.len();
         let of_samples = |found: f64, samples: &[f64]| samples.is_empty() || near(found, median(samples));
-        let submissions = submit_to_done_samples_ms.len();
-        let by_host = times.submit_to_done_median_ms.is_none_or(|found| of_samples(found, submit_to_done_samples_ms));
-        let interleaved_set =
-            times.interleaved_set.map(|interleaved_set| self.interleaved_sets.get(interleaved_set as usize));
-        // Records of before interleaved sets were told of have none.
-        let rounds = interleaved_set.flatten().map_or(0, |interleaved_set| interleaved_set.orders.len());
-        let ticks = interleaved_set.flatten().and_then(|interleaved_set| interleaved_set.clock_ticks.as_ref());
-        let too_coarse = ticks.is_some_and(|ticks| ticks.too_coarse(times).is_some());
+        must(at, "median_ms", of_samples(times.median_ms, samples_ms), "the median of `samples_ms`")?;
         let inside = (low - ROUNDING..=high + ROUNDING).contains(&times.median_ms);
-        all(
-            at,
-            [
-                ("median_ms", of_samples(times.median_ms, samples_ms), "the median of `samples_ms`"),
-                ("interval_ms", samples == 0 || inside, "an interval with `median_ms` in it"),
-                ("submit_to_done_median_ms", by_host, "the median of `submit_to_done_samples_ms`"),
-                ("submit_to_done_samples_ms", submissions == 0 || submissions == samples, "as many as `samples_ms`"),
-                ("interleaved_set", interleaved_set != Some(None), "the place of one of `interleaved_sets`"),
-                (
-                    "invalid",
-                    !too_coarse || times.invalid.is_some(),
-                    "said: its times are below 20 ticks of their clock",
-                ),
-                ("samples_ms", rounds == 0 || samples <= rounds, "no more than its interleaved set has rounds"),
-                ("grown_samples", times.grown_samples <= samples as u64, "no more than `samples_ms`"),
-            ],
-        )?;
+        must(at, "interval_ms", samples == 0 || inside, "an interval with `median_ms` in it")?;
+        let by_host = times.submit_to_done_median_ms.is_none_or(|found| of_samples(found, submit_to_done_samples_ms));
+        must(at, "submit_to_done_median_ms", by_host, "the median of `submit_to_done_samples_ms`")?;
+        let as_many = [0, samples].contains(&submit_to_done_samples_ms.len());
+        must(at, "submit_to_done_samples_ms", as_many, "as many as `samples_ms`")?;
+        // Records of before interleaved sets were told of have none.
+        let set = times.interleaved_set.map(|set| self.interleaved_sets.get(set as usize));
+        must(at, "interleaved_set", set != Some(None), "the place of one of `interleaved_sets`")?;
+        let ticks = set.flatten().and_then(|set| set.clock_ticks.as_ref());
+        let told = times.invalid.is_some() || ticks.is_none_or(|ticks| ticks.too_coarse(times).is_none());
+        must(at, "invalid", told, "said: its times are below 20 ticks of their clock")?;
+        let rounds = set.flatten().map_or(0, |set| set.orders.len());
+        must(at, "samples_ms", rounds == 0 || samples <= rounds, "no more than its interleaved set has rounds")?;
+        must(at, "grown_samples", times.grown_samples <= samples as u64, "no more than `samples_ms`")?;
         each(&format!("{at}.phases"), &times.phases, |at, phase| {
-            let few = phase.samples_ms.len() <= samples;
-            let is_median = of_samples(phase.median_ms, &phase.samples_ms);
-            all(at, [("samples_ms", few, "no more than the whole has"), ("median_ms", is_median, "their median")])
+            must(at, "samples_ms", phase.samples_ms.len() <= samples, "no more than the whole has")?;
+            must(at, "median_ms", of_samples(phase.median_ms, &phase.samples_ms), "their median")
         })
     }
 }
 
-fn interleaved_set_is_sound(at: &str, interleaved_set: &InterleavedSetRecord) -> Result<(), String> {
-    let (rounds, participants) = (interleaved_set.orders.len(), interleaved_set.participants.len());
+fn interleaved_set_is_sound(at: &str, set: &InterleavedSetRecord) -> Result<(), String> {
+    let (rounds, participants) = (set.orders.len(), set.participants.len());
     let is_order = |order: &Vec<u32>| {
         let mut sorted = order.clone();
         sorted.sort_unstable();
         sorted.into_iter().eq(0..participants as u32)
     };
-    let fits = |samples: &[f64]| samples.len() <= rounds;
-    all(
-        at,
-        [
-            ("orders", interleaved_set.orders.iter().all(is_order), "lists with each of `participants` once"),
-            (
-                "kernels",
-                interleaved_set.kernels.iter().all(|kernel| fits(&kernel.samples_ms)),
-                "of no more samples than rounds",
-            ),
-            (
-                "doubled_work",
-                interleaved_set.doubled_work.iter().all(|doubled_work| fits(&doubled_work.samples_ms)),
-                "of no more samples than rounds",
-            ),
-        ],
-    )
+    must(at, "orders", set.orders.iter().all(is_order), "lists with each of `participants` once")?;
+    let few = "of no more samples than rounds";
+    must(at, "kernels", set.kernels.iter().all(|kernel| kernel.samples_ms.len() <= rounds), few)?;
+    must(at, "doubled_work", set.doubled_work.iter().all(|work| work.samples_ms.len() <= rounds), few)
 }
 
 fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
-    let TraceRecord { count, times, mrays_per_s, .. } = trace;
+    let TraceRecord { count, times, mrays_per_s, judgement, .. } = trace;
+    must(at, "count", *count > 0, "1 or more")?;
     let speed = *count as f64 / times.median_ms / 1e3;
     let timed = !times.samples_ms.is_empty() && *mrays_per_s > 0.0;
+    must(at, "mrays_per_s", !timed || near(*mrays_per_s, speed), "`count` over `median_ms`")?;
     let kept = trace.per_trace.iter().map(|part| part.allocated_bytes).fold(0, u64::saturating_add);
+    let is_sum = trace.per_trace.is_empty() || trace.per_trace_bytes == kept;
+    must(at, "per_trace_bytes", is_sum, "the sum of `per_trace`")?;
+    let same = trace.same_as_first.is_none_or(|rays| rays <= *count);
+    must(at, "same_as_first", same, "no more rays than `count`")?;
     let statuses = trace.statuses.values().copied().fold(0, u64::saturating_add);
-    let by_status = trace.judgement.by_status();
+    must(at, "statuses", trace.statuses.is_empty() || statuses == *count, "of as many rays as `count`")?;
+    let by_status = judgement.by_status();
     let judged = by_status.values().map(|of| of.rays).fold(0, u64::saturating_add);
     let right = by_status.values().all(|of| of.right.values().all(|right| *right <= of.rays));
-    all(
-        at,
-        [
-            ("count", *count > 0, "1 or more"),
-            ("mrays_per_s", !timed || near(*mrays_per_s, speed), "`count` over `median_ms`"),
-            ("per_trace_bytes", trace.per_trace.is_empty() || trace.per_trace_bytes == kept, "the sum of `per_trace`"),
-            ("same_as_first", trace.same_as_first.is_none_or(|rays| rays <= *count), "no more rays than `count`"),
-            ("statuses", trace.statuses.is_empty() || statuses == *count, "of as many rays as `count`"),
-            ("judgement.by_status", judged <= *count && right, "of no more rays than there are"),
-        ],
-    )?;
-    let at = format!("{at}.judgement");
+    must(at, "judgement.by_status", judged <= *count && right, "of no more rays than there are")?;
+    let at = &*format!("{at}.judgement");
     let is_any = trace.query == Query::Any;
-    let (ambiguous_rays, wrong_rays) = match &trace.judgement {
+    let wrong_rays = match judgement {
         Judgement::Closest(judged) => {
-            let (share, within) = (&judged.agreement, &judged.interval);
+            let accuracies = judgement.accuracies(*count);
+            let field = |rule: Rule| format!("agreement.{}", rule.name());
+            for (rule, of) in Rule::ALL.into_iter().zip(&accuracies) {
+                must(at, &field(rule), holds(of.interval, of.share), "in its interval")?;
+            }
             let curve = judged.curve.iter().all(|[_, share]| (0.0..=1.0).contains(share))
                 && judged.curve.is_sorted_by(|[_, one], [_, other]| one <= other);
+            must(at, "curve", curve, "pairs of a tolerance and a share that does not fall")?;
             let Percentiles { p50, p95, p99 } = judged.position_error;
             let errors: Vec<f64> = [p50, p95, p99].into_iter().flatten().collect();
+            must(at, "position_error", errors.is_sorted(), "percentiles that rise")?;
             let of_truth = |truth: &TrueCounts| {
                 let ambiguous = truth.ambiguous_hits + truth.ambiguous_misses;
                 ambiguous == judged.ambiguous_rays && truth.hits + truth.misses + ambiguous == *count
             };
-            let of = |classes: &Classes, wrong: u64, share: Option<f64>| {
-                share.is_none_or(|share| (1.0 - share - wrong as f64 / classes.all() as f64).abs() <= ROUNDING)
-            };
-            let (tight, footprint) = (&judged.classes.tight, &judged.classes.footprint);
-            let rules = [
-                ("agreement.hit_miss", holds(within.hit_miss, share.hit_miss), "in its interval"),
-                ("agreement.tight", holds(within.tight, share.tight), "in its interval"),
-                ("agreement.footprint", holds(within.footprint, share.footprint), "in its interval"),
-                ("curve", curve, "pairs of a tolerance and a share that does not fall"),
-                ("position_error", errors.is_sorted(), "percentiles that rise"),
-                (
-                    "truth",
-                    judged.truth.as_ref().is_none_or(of_truth),
-                    "of `count` rays, `ambiguous_rays` of them ambiguous",
-                ),
-                ("agreement.tight", of(tight, tight.wrong(), share.tight), "that of its `classes`"),
-                ("agreement.footprint", of(footprint, footprint.wrong(), share.footprint), "that of its `classes`"),
-                (
-                    "agreement.hit_miss",
-                    of(tight, tight.false_hit + tight.false_miss, share.hit_miss),
-                    "that of its `classes`",
-                ),
-                ("classes", !is_any, "`occlusion`: its rays ask for any hit"),
-            ];
-            all(&at, rules)?;
-            (judged.ambiguous_rays, &judged.wrong_rays)
+            let truth = judged.truth.as_ref().is_none_or(of_truth);
+            must(at, "truth", truth, "of `count` rays, `ambiguous_rays` of them ambiguous")?;
+            let ByRule { tight, footprint } = &judged.classes;
+            for (rule, classes) in [(Rule::Tight, tight), (Rule::Footprint, footprint), (Rule::HitMiss, tight)] {
+                let Accuracy { share, wrong, .. } = accuracies[rule as usize];
+                let off = |share: f64| (1.0 - share - wrong as f64 / classes.all() as f64).abs();
+                must(at, &field(rule), share.is_none_or(|share| off(share) <= ROUNDING), "that of its `classes`")?;
+            }
+            must(at, "classes", !is_any, "`occlusion`: its rays ask for any hit")?;
+            &judged.wrong_rays
         }
         Judgement::Any(judged) => {
             let table = &judged.occlusion;
             let share = holds(table.balanced_accuracy_interval, table.balanced_accuracy);
-            let rules = [
-                ("occlusion.balanced_accuracy", share, "in its interval"),
-                ("occlusion", is_any, "`classes`: its rays ask for the closest hit"),
-            ];
-            all(&at, rules)?;
-            (judged.ambiguous_rays, &judged.wrong_rays)
+            must(at, "occlusion.balanced_accuracy", share, "in its interval")?;
+            must(at, "occlusion", is_any, "`classes`: its rays ask for the closest hit")?;
+            &judged.wrong_rays
         }
     };
-    let known = wrong_rays.iter().all(|ray| ray.index < *count);
-    all(
-        &at,
-        [
-            ("ambiguous_rays", ambiguous_rays <= *count, "no more than `count`"),
-            ("wrong_rays", known, "of an `index` below `count`"),
-        ],
-    )
+    must(at, "ambiguous_rays", judgement.ambiguous() <= *count, "no more than `count`")?;
+    must(at, "wrong_rays", wrong_rays.iter().all(|ray| ray.index < *count), "of an `index` below `count`")
 }
 
 /// Whether an interval holds a share. One that is not there holds every share.
@@ -289,11 +223,10 @@ fn near(found: f64, expected: f64) -> bool {
     (found - expected).abs() <= ROUNDING * expected.abs()
 }
 
-/// The first rule that does not hold, with the path of its field.
-fn all<const N: usize>(at: &str, rules: [Rule; N]) -> Result<(), String> {
+/// A rule of a field: whether it holds, and what the field must be.
+fn must(at: &str, field: &str, holds: bool, be: &str) -> Result<(), String> {
     let dot = if at.is_empty() { "" } else { "." };
-    let broken = rules.into_iter().find(|(_, holds, _)| !holds);
-    broken.map_or(Ok(()), |(field, _, must)| Err(format!("`{at}{dot}{field}` must be {must}")))
+    if holds { Ok(()) } else { Err(format!("`{at}{dot}{field}` must be {be}")) }
 }
 
 fn each<T>(at: &str, list: &[T], check: impl Fn(&str, &T) -> Result<(), String>) -> Result<(), String> {

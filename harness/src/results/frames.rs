@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use tracebench_api::ClockKind;
 
-use super::{SceneRecord, TracerRecord, ViewpointRecord};
+use super::{SceneRecord, TracerRecord, ViewpointRecord, is_default};
 
 /// The oracle with t rounded to f32: what its image differs in no exact tracer can avoid.
 pub const ROUNDED_ORACLE: &str = "oracle-f32";
@@ -34,7 +34,7 @@ pub struct FramesRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut: Option<u32>,
     /// Whether every frame has the world rays of the first, judged from its eye.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub fixed_rays: bool,
     /// Effects, or ray sets.
     pub works: Vec<String>,
@@ -89,7 +89,7 @@ pub struct FrameSeries {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<String>,
     /// Which machine it was measured on, where the record was merged.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub machine: u32,
     /// Its interleaved set; none of controls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -120,7 +120,7 @@ pub struct FrameRow {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub update_ms: Option<f64>,
     /// Whether memory had to grow.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub grown: bool,
     /// Cost of a hierarchy by the surface area heuristic, of methods that are refitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -151,13 +151,13 @@ pub struct WorkRow {
 /// An image beside its reference, both as 8-bit sRGB in [0, 1].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImageRow {
-    /// Mean squared error.
+    /// Mean squared error over pixels and channels.
     pub mse: f64,
-    /// None where they are equal.
+    /// Peak signal-to-noise ratio, dB; none where they are equal.
     pub psnr_db: Option<f64>,
-    /// Of luma.
+    /// Structural similarity of luma as image-compare has it: windows of 8x8 pixels side by side, sums for variances; 1 is equal.
     pub ssim: f64,
-    /// None of depth and normals.
+    /// Mean FLIP: 0 is equal, 1 the most. None of depth and normals.
     pub flip: Option<f64>,
     /// Pixels with a channel that is off by more than 1/255.
     pub beyond: u64,
@@ -201,16 +201,6 @@ pub struct AnswersRow {
     /// Of fixed rays: how many were judged in this frame and the last, and how many of these turned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turned: Option<[u64; 2]>,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_false(value: &bool) -> bool {
-    !*value
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_zero(value: &u32) -> bool {
-    *value == 0
 }
 
 impl FrameSeries {

@@ -1,6 +1,8 @@
 //! How searches on the device read and are launched: what a probe of the adapter said, what a row had, and two methods at equal
 //! launch settings and at each one's best.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Row, TracerRecord};
@@ -30,6 +32,11 @@ impl LaunchSettings {
     /// As arguments and the environment have them.
     pub fn describe(&self) -> String {
         format!("{},{}", self.memory_access, self.rays_per_lane)
+    }
+
+    /// The parameters that have them, with their values.
+    pub fn values(&self) -> [(&'static str, String); 2] {
+        [(MEMORY_ACCESS, self.memory_access.clone()), (RAYS_PER_LANE, self.rays_per_lane.to_string())]
     }
 
     /// These launch settings.
@@ -111,48 +118,28 @@ pub fn differ_in_launch(one: &Row, other: &Row) -> bool {
     one.tracer.name == other.tracer.name && one.viewpoint == other.viewpoint && rest(one) == rest(other)
 }
 
-/// Ratios of two methods.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AtLaunchSettings<R> {
-    /// At equal launch settings, one a combination that both have.
-    pub equal: Vec<(LaunchSettings, R)>,
-    /// At each one's best: the launch settings, of those that have them, by which it took the least time.
-    pub best: Option<([Option<LaunchSettings>; 2], R)>,
-}
-
-/// Two methods at equal launch settings and at each one's best. `one` and `other` are rows of each method that differ in their launch
-/// settings alone; a row without launch settings stands beside every one of the other. `time_ms` is how long a row took, of a build or of a
-/// trace (rows without a time are left out), `ratio` is what is made of two rows.
+/// Ratios of two methods at equal launch settings, one a combination that both have, and last at each one's best. `one` and `other` are
+/// rows of each method that differ in their launch settings alone; a row without launch settings stands beside every one of the other.
+/// `time_ms` is how long a row took, of a build or of a trace (rows without a time are left out), `ratio` is what is made of two rows.
 pub fn at_launch_settings<'r, R>(
     one: &[&'r Row],
     other: &[&'r Row],
     time_ms: impl Fn(&Row) -> Option<f64>,
     ratio: impl Fn(&'r Row, &'r Row) -> Option<R>,
-) -> AtLaunchSettings<R> {
+) -> Vec<R> {
+    type Timed<'r> = (Option<LaunchSettings>, f64, &'r Row);
     let timed = |rows: &[&'r Row]| -> Vec<Timed<'r>> {
-        rows.iter().filter_map(|row| Some(Timed { launch: row.tracer.launch(), row, ms: time_ms(row)? })).collect()
+        rows.iter().filter_map(|row| Some((row.tracer.launch(), time_ms(row)?, *row))).collect()
     };
-    let (one, other) = (timed(one), timed(other));
-    let mut all: Vec<&LaunchSettings> = one.iter().chain(&other).filter_map(|timed| timed.launch.as_ref()).collect();
-    all.sort();
-    all.dedup();
-    let of = |rows: &[Timed<'r>], wanted: &LaunchSettings| {
-        rows.iter().find(|timed| timed.launch.as_ref().is_none_or(|launch| launch == wanted)).map(|timed| timed.row)
+    let both = [timed(one), timed(other)];
+    let all: BTreeSet<&LaunchSettings> = both.iter().flatten().filter_map(|(launch, ..)| launch.as_ref()).collect();
+    let at = |wanted: &LaunchSettings| {
+        let is = |(launch, ..): &&Timed<'_>| launch.as_ref().is_none_or(|launch| launch == wanted);
+        both.each_ref().map(|rows| rows.iter().find(is))
     };
-    let at = |launch: &LaunchSettings| Some((launch.clone(), ratio(of(&one, launch)?, of(&other, launch)?)?));
-    let equal = all.into_iter().filter_map(at).collect();
-    let best = |rows: &[Timed<'r>]| rows.iter().min_by(|a, b| a.ms.total_cmp(&b.ms)).cloned();
-    let best = best(&one).zip(best(&other));
-    let best = best.and_then(|(one, other)| Some(([one.launch, other.launch], ratio(one.row, other.row)?)));
-    AtLaunchSettings { equal, best }
-}
-
-/// A row that was timed.
-#[derive(Clone)]
-struct Timed<'r> {
-    launch: Option<LaunchSettings>,
-    row: &'r Row,
-    ms: f64,
+    let best = both.each_ref().map(|rows| rows.iter().min_by(|a, b| a.1.total_cmp(&b.1)));
+    let pairs = all.into_iter().map(at).chain([best]);
+    pairs.filter_map(|[one, other]| ratio(one?.2, other?.2)).collect()
 }
 
 #[cfg(test)]
@@ -219,11 +206,9 @@ mod tests {
     fn faster(one: &[Row], other: &[Row]) -> (usize, Option<bool>) {
         let [one, other] = [one, other].map(|rows| rows.iter().collect::<Vec<_>>());
         let time_ms = |row: &Row| Some(row.traces.first()?.times.median_ms);
-        let found = at_launch_settings(&one, &other, time_ms, |one, other| Some(time_ms(other)? / time_ms(one)?));
-        let ratios: Vec<f64> =
-            found.equal.iter().map(|(_, ratio)| *ratio).chain(found.best.map(|(_, ratio)| ratio)).collect();
+        let ratios = at_launch_settings(&one, &other, time_ms, |one, other| Some(time_ms(other)? / time_ms(one)?));
         let is = |faster: bool| !ratios.is_empty() && ratios.iter().all(|ratio| (*ratio > 1.0) == faster);
-        (found.equal.len(), is(true).then_some(true).or(is(false).then_some(false)))
+        (ratios.len(), is(true).then_some(true).or(is(false).then_some(false)))
     }
 
     /// Proves that a verdict is given where it is the same at every combination and at each one's best, and none where one combination
@@ -232,16 +217,16 @@ mod tests {
     #[test]
     fn verdicts_stand_at_equal_and_best_launch_settings() {
         let one = rows("one", &[("buffer", 1, 2.0), ("texture", 1, 4.0)]);
-        assert_eq!(faster(&one, &rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0)])), (2, Some(true)));
-        assert_eq!(faster(&rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0)]), &one), (2, Some(false)));
-        assert_eq!(faster(&one, &rows("other", &[("buffer", 1, 3.0), ("texture", 1, 3.5)])), (2, None));
+        assert_eq!(faster(&one, &rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0)])), (3, Some(true)));
+        assert_eq!(faster(&rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0)]), &one), (3, Some(false)));
+        assert_eq!(faster(&one, &rows("other", &[("buffer", 1, 3.0), ("texture", 1, 3.5)])), (3, None));
         // The other has launch settings that the one does not have, and is best by them.
         let further = rows("other", &[("buffer", 1, 1.0), ("texture", 1, 3.0), ("texture", 32, 9.0)]);
-        assert_eq!(faster(&one, &further), (2, None));
+        assert_eq!(faster(&one, &further), (3, None));
         let host = |speed| rows("host", &[("", 0, speed)]);
-        assert_eq!(faster(&one, &host(1.0)), (2, Some(true)));
-        assert_eq!(faster(&one, &host(3.0)), (2, None));
-        assert_eq!(faster(&host(1.0), &host(2.0)), (0, Some(false)));
+        assert_eq!(faster(&one, &host(1.0)), (3, Some(true)));
+        assert_eq!(faster(&one, &host(3.0)), (3, None));
+        assert_eq!(faster(&host(1.0), &host(2.0)), (1, Some(false)));
         assert_eq!(faster(&one, &[]), (0, None));
     }
 }

@@ -1,6 +1,6 @@
 //! Shards of one plan joined into one record.
 
-use super::{FrameSeries, Provenance, Record, Row, ShardRecord, SweepRecord};
+use super::{FrameSeries, Provenance, Record, Row, ShardRecord};
 
 /// Why records cannot be joined.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -88,13 +88,14 @@ fn join(whole: &mut Record, mut shard: Record, machine: u32) {
             whole.skipped.push(skipped);
         }
     }
-    if let (Some(whole), Some(shard)) = (&mut whole.sweep, shard.sweep) {
-        join_sweeps(whole, shard);
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.tuning, shard.tuning) {
-        whole.scenes.extend(shard.scenes);
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.frames, shard.frames) {
+    // The points are the same; where each was left out adds up.
+    both(&mut whole.sweep, shard.sweep, |whole, shard| {
+        for (point, other) in whole.points.iter_mut().zip(shard.points) {
+            point.skipped.extend(other.skipped);
+        }
+    });
+    both(&mut whole.tuning, shard.tuning, |whole, shard| whole.scenes.extend(shard.scenes));
+    both(&mut whole.frames, shard.frames, |whole, shard| {
         let scenes = whole.scenes.len() as u32;
         whole.scenes.extend(shard.scenes);
         whole.rows.extend(shard.rows.into_iter().map(|row| FrameSeries {
@@ -103,33 +104,26 @@ fn join(whole: &mut Record, mut shard: Record, machine: u32) {
             machine,
             ..row
         }));
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.cases, shard.cases) {
-        whole.cases.extend(shard.cases);
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.explanation, shard.explanation) {
-        whole.scenes.extend(shard.scenes);
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.pareto, shard.pareto) {
-        // The points are the same; where each was left out adds up.
+    });
+    both(&mut whole.cases, shard.cases, |whole, shard| whole.cases.extend(shard.cases));
+    both(&mut whole.explanation, shard.explanation, |whole, shard| whole.scenes.extend(shard.scenes));
+    both(&mut whole.need, shard.need, |whole, shard| whole.curves.extend(shard.curves));
+    both(&mut whole.pareto, shard.pareto, |whole, shard| {
         for (point, other) in whole.points.iter_mut().zip(shard.points) {
             point.skipped.extend(other.skipped);
         }
         whole.scenes.extend(shard.scenes);
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.attack, shard.attack) {
+    });
+    both(&mut whole.attack, shard.attack, |whole, shard| {
         whole.viewpoints.extend(shard.viewpoints);
         whole.searches.extend(shard.searches);
-    }
-    if let (Some(whole), Some(shard)) = (&mut whole.need, shard.need) {
-        whole.curves.extend(shard.curves);
-    }
+    });
 }
 
-/// The points are the same; where each was left out adds up.
-fn join_sweeps(whole: &mut SweepRecord, shard: SweepRecord) {
-    for (point, other) in whole.points.iter_mut().zip(shard.points) {
-        point.skipped.extend(other.skipped);
+/// Joins a section that both have.
+fn both<T>(whole: &mut Option<T>, shard: Option<T>, join: impl FnOnce(&mut T, T)) {
+    if let (Some(whole), Some(shard)) = (whole, shard) {
+        join(whole, shard);
     }
 }
 

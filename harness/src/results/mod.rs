@@ -33,49 +33,27 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use attack::{AttackRecord, PoseRecord, SearchRecord, ShrunkRecord};
-pub use cases::{
-    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationKind,
-    ExpectationRecord, NoAnswer, UnexpectedOutcome, Wrong,
-};
-pub use explanation::{
-    Explained, ExplanationRecord, GIVEN_UP, MAX_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
-};
-pub use fault::CONTROL_NAMES;
-pub use frames::{
-    AnswersRow, FramePictures, FrameRow, FrameSeries, FramesRecord, ImageRow, MovingScene, ROUNDED_ORACLE, SAH_COST,
-    WaveRow, WorkRow,
-};
-pub use interleaved_set::{
-    Adaptive, ClockTicks, DoubledWorkRecord, InterleavedSetRecord, KernelRecord, MIN_ROUNDS, MIN_TICKS, SampleSchedule,
-    StopReason,
-};
-pub(crate) use judgement::one_sided;
-pub use judgement::{
-    Accuracy, AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Judgement, OCCLUSION, Occlusion, PerRule,
-    Percentiles, PieceDistance, Rule, StatusCounts, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
-};
-pub use key::{same_place, same_pose, same_rays, same_work};
-pub use launch::{
-    AtLaunchSettings, LaunchRecord, LaunchSettings, MARGIN, MEMORY_ACCESS, ProbeRecord, RAYS_PER_LANE,
-    at_launch_settings, differ_in_launch,
-};
-pub use merge::{MergeError, merge};
-pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, values_label};
-pub(crate) use paired::kernels_changed;
-pub use paired::{Answer, COVERAGE, Caveat, MAX_CHANGE, Paired, Pairing, Timed, of_rounds};
-pub use pareto::{
-    FrontPoint, FrontScene, HeldOutRecord, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,
-};
-pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
-pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
-pub use resident_batches::MARK;
-pub use row::{MemoryRecord, Row, SceneRecord, TracerRecord, UpdateModeRecord, ViewpointRecord};
-pub(crate) use row::{config, said};
-pub use sweep::{AxisRecord, PointRecord, SweepRecord};
-pub use times::{BuildRecord, PhaseRecord, Times};
-pub use trace::{CounterRecord, SelfReported, TraceRecord};
-pub use tuning::{TunedScene, TuningRecord, place_name};
+pub use attack::*;
+pub use cases::*;
+pub use explanation::*;
+pub use fault::*;
+pub use frames::*;
+pub use interleaved_set::*;
+pub use judgement::*;
+pub use key::*;
+pub use launch::*;
+pub use merge::*;
+pub use need::*;
+pub use paired::*;
+pub use pareto::*;
+pub use provenance::*;
+pub use ratio::*;
+pub use resident_batches::*;
+pub use row::*;
+pub use sweep::*;
+pub use times::*;
+pub use trace::*;
+pub use tuning::*;
 
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 3;
@@ -93,10 +71,8 @@ pub struct Record {
     /// Run preset: smoke, quick or paper. Figures of a smoke run only show that things work. Empty for cases, which have none.
     pub preset: String,
     /// The table that the run was made for, if it was made for one.
-    #[serde(default)]
     pub table: Option<String>,
     /// The sweep that the run is, if it is one; a tuning is one over a single parameter.
-    #[serde(default)]
     pub sweep: Option<SweepRecord>,
     /// What a tuning adds to its sweep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -142,6 +118,11 @@ pub struct Record {
     pub interleaved_sets: Vec<InterleavedSetRecord>,
     /// What did not run, and why.
     pub skipped: Vec<Skipped>,
+}
+
+/// Whether a value is what is read where there is none, and need not be written.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// What answers from elsewhere were judged by.

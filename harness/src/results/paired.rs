@@ -9,10 +9,7 @@
 //! cannot be paired: there the interval is that of two lots, [`Ratio::of_times`], and the fixed kernels of both must have taken the same
 //! time.
 
-use std::fmt;
-
 use itertools::Itertools as _;
-use serde::Serialize;
 use tracebench_api::ClockKind;
 
 use super::{InterleavedSetRecord, MIN_ROUNDS, Ratio, Record, Row, Times, TraceRecord, host_ms, same_place, same_rays};
@@ -159,8 +156,7 @@ impl<'a> Timed<'a> {
 }
 
 /// How two times came to be set against one another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pairing {
     /// Round by round of the same interleaved set.
     Rounds,
@@ -182,33 +178,26 @@ pub struct Paired {
 }
 
 /// Why a time decides nothing.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Caveat {
     /// One of both was not timed, or not by a clock that the other has.
+    #[error("there are no times by one clock")]
     NoTimes,
     /// Times are invalid.
+    #[error("times are invalid: {0}")]
     Void(String),
     /// The record does not tell of its interleaved sets.
+    #[error("the record does not tell of its interleaved sets")]
     Unrecorded,
     /// So many rounds are too few.
+    #[error("{0} rounds, fewer than {MIN_ROUNDS}")]
     FewRounds(usize),
     /// The machine's speed drifted in an interleaved set, or changed between interleaved sets.
+    #[error("drift: {0}")]
     Drift(String),
     /// The interval does not separate.
+    #[error("the interval does not separate")]
     Interval,
-}
-
-impl fmt::Display for Caveat {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoTimes => to.write_str("there are no times by one clock"),
-            Self::Void(why) => write!(to, "times are invalid: {why}"),
-            Self::Unrecorded => to.write_str("the record does not tell of its interleaved sets"),
-            Self::FewRounds(rounds) => write!(to, "{rounds} rounds, fewer than {MIN_ROUNDS}"),
-            Self::Drift(what) => write!(to, "drift: {what}"),
-            Self::Interval => to.write_str("the interval does not separate"),
-        }
-    }
 }
 
 /// What is to be said of how long one takes beside another.
@@ -287,8 +276,7 @@ pub fn of_rounds(one: &[f64], other: &[f64], coverage: f64) -> Option<Ratio> {
 impl Record {
     /// How many times as long one takes as the other, rows of this record both.
     pub fn paired(&self, one: &Timed<'_>, other: &Timed<'_>) -> Paired {
-        let clocks: Vec<ClockKind> = one.clocks().chain(other.clocks()).collect();
-        self.paired_by(one, other, clocks.windows(2).any(|pair| pair[0] != pair[1]))
+        self.paired_by(one, other, !one.clocks().chain(other.clocks()).all_equal())
     }
 
     /// The same by the host's clock, whatever timed them: work on a device from submission until done.

@@ -136,13 +136,8 @@ impl FrontPoint {
         config(&self.tracer, &self.preset)
     }
 
-    /// What it has otherwise than its preset, as `name=value`.
-    pub fn values_label(&self) -> String {
-        values_label(&self.values)
-    }
-
-    /// Tracer, preset and values.
+    /// Tracer, preset and what it has otherwise than that, as `name=value`.
     pub fn label(&self) -> String {
-        format!("{} {}", self.config(), self.values_label()).trim_end().to_owned()
+        format!("{} {}", self.config(), values_label(&self.values)).trim_end().to_owned()
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tracebench_api::Gpu;
 
-use super::LaunchRecord;
+use super::{LaunchRecord, is_default};
 use crate::machine::{self, Machine};
 
 /// Version of the rules of measuring, RULES.md.
@@ -24,7 +24,7 @@ pub struct Provenance {
     /// When it began, UTC, ISO 8601.
     pub started: String,
     /// Version of the rules that it was measured by ([`RULES_VERSION`]); 0 of records from before they were written down.
-    #[serde(default, skip_serializing_if = "is_from_before")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub rules_version: u32,
     /// When it was gone on with after it had been broken off, UTC.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -41,12 +41,6 @@ pub struct Provenance {
     /// The form that it had before, if it was measured by a program that wrote another one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converted_from: Option<ConvertedFrom>,
-}
-
-/// Whether no rules were written down yet.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_from_before(rules_version: &u32) -> bool {
-    *rules_version == 0
 }
 
 impl Provenance {
@@ -82,6 +76,19 @@ pub struct ShardRecord {
     pub program_sha256: String,
     /// Tells machines of one kind apart; empty where the system has nothing to tell them by.
     pub machine_id: String,
+}
+
+impl ShardRecord {
+    /// A part of a plan, by this program on this machine.
+    pub fn here(index: u32, count: u32, plan_sha256: String) -> Self {
+        let (program_sha256, machine_id) = (machine::program_sha256(), machine::machine_id());
+        Self { index, count, plan_sha256, program_sha256, machine_id }
+    }
+
+    /// Whether a scene with its viewpoint, by its place in the plan, is of this part.
+    pub fn takes(&self, place: usize) -> bool {
+        place % self.count as usize + 1 == self.index as usize
+    }
 }
 
 /// What a record was before.

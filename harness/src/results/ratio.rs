@@ -32,11 +32,6 @@ pub fn common_clock(one: &Times, other: &Times) -> Option<[f64; 2]> {
     if one.clock == other.clock { Some([own(one)?, own(other)?]) } else { Some([host_ms(one)?, host_ms(other)?]) }
 }
 
-/// How many times as long one took as the other.
-pub fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
-    common_clock(one, other).map(|[one, other]| one / other)
-}
-
 /// A ratio of medians with its interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ratio {

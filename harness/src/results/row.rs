@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use tracebench_api::MemoryEntry;
 
-use super::{BuildRecord, TraceRecord};
+use super::{BuildRecord, TraceRecord, is_default};
 
 /// One tracer on one scene from one viewpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,10 +26,10 @@ pub struct Row {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difficulty_level: Option<f64>,
     /// In which turn of its place it was measured: configurations are interleaved within one.
-    #[serde(default, skip_serializing_if = "is_first")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub resident_batch: u32,
     /// Which machine it was measured on, where the record was merged: its place among the provenance's.
-    #[serde(default, skip_serializing_if = "is_first")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub machine: u32,
     /// Its memory.
     pub memory: MemoryRecord,
@@ -57,11 +57,6 @@ impl Row {
         }
         self
     }
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
-fn is_first(place: &u32) -> bool {
-    *place == 0
 }
 
 /// How a structure was brought up to date. The row's `build` has the times of that.

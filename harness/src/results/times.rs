@@ -103,17 +103,16 @@ impl PhaseRecord {
     pub fn collect(samples: &[Vec<PhaseSample>]) -> Vec<Self> {
         let mut records: Vec<Self> = Vec::new();
         for phases in samples {
-            // Of phases of the same name within a sample the first is told from the second.
-            let mut seen = vec![false; records.len()];
-            for phase in phases {
-                let place = (0..seen.len()).find(|place| !seen[*place] && records[*place].name == phase.name);
-                let place = place.unwrap_or_else(|| {
-                    records.push(Self { name: phase.name.clone(), median_ms: 0.0, samples_ms: Vec::new() });
-                    seen.push(false);
-                    seen.len() - 1
-                });
-                seen[place] = true;
-                records[place].samples_ms.push(whole_ns(phase.duration_ms));
+            for (place, phase) in phases.iter().enumerate() {
+                // Of phases of the same name within a sample the first is told from the second.
+                let before = phases[..place].iter().filter(|other| other.name == phase.name).count();
+                match records.iter_mut().filter(|record| record.name == phase.name).nth(before) {
+                    Some(record) => record.samples_ms.push(whole_ns(phase.duration_ms)),
+                    None => {
+                        let samples_ms = vec![whole_ns(phase.duration_ms)];
+                        records.push(Self { name: phase.name.clone(), median_ms: 0.0, samples_ms });
+                    }
+                }
             }
         }
         for record in &mut records {

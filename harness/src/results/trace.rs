@@ -44,7 +44,6 @@ pub struct TraceRecord {
     /// The judge's verdict on the last timed output.
     pub judgement: Judgement,
     /// The verdict on its surfaces, where it has any.
-    #[serde(default)]
     pub surfaces: Option<SurfaceJudgement>,
     /// Times that a program which is no tracer of this suite tells of itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]

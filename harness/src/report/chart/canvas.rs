@@ -265,7 +265,11 @@ pub(super) fn to_png(figure: &impl Figure) -> Result<Vec<u8>, DrawError> {
     let mut pixels = vec![0; width as usize * height as usize * 3];
     let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
     paint(figure, area, 0.1)?;
-    encoded([width, height], &pixels, |encoder| encoder.set_color(png::ColorType::Rgb)).map_err(DrawError::new)
+    let png = encoded([width, height], &[&pixels], |encoder| {
+        encoder.set_color(png::ColorType::Rgb);
+        Ok(())
+    });
+    png.map_err(DrawError::new)
 }
 
 fn paint<DB: DrawingBackend>(figure: &impl Figure, area: DrawingArea<DB, Shift>, text_drop: f64) -> Drawn {

@@ -1,7 +1,6 @@
 //! Effects: images of a frame, wave by wave, beside the one that the truth gives by the same random numbers.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -202,24 +201,14 @@ impl Studio<'_> {
     fn beside(&self, reference: &Reference, paths: &Paths) -> Result<Beside, RunError> {
         let (effect, truth) = (reference.effect, &reference.image);
         let image = paths.image().developed(reference.exposure);
-        let like = likeness(effect, truth, &image).map_err(failed)?;
-        let mut beyond_by_wave: BTreeMap<String, u64> = BTreeMap::new();
-        if like.beyond > 0 {
+        let mut row = likeness(effect, truth, &image).map_err(failed)?;
+        if row.beyond > 0 {
             let first = reference.paths.first_difference(paths);
             let beyond = render::beyond(truth, &image).map_err(failed)?;
             for wave in first.iter().zip(beyond).filter(|(_, beyond)| *beyond).map(|(wave, _)| wave) {
-                *beyond_by_wave.entry(wave.map_or_else(|| "none".to_owned(), Wave::name_of)).or_default() += 1;
+                *row.beyond_by_wave.entry(wave.map_or_else(|| "none".to_owned(), Wave::name_of)).or_default() += 1;
             }
         }
-        let row = ImageRow {
-            mse: like.mse,
-            psnr_db: like.psnr_db,
-            ssim: like.ssim,
-            flip: like.flip,
-            beyond: like.beyond,
-            beyond_by_wave,
-            flicker: None,
-        };
         let errors = render::errors(truth, &image).map_err(failed)?;
         let error = error_picture(effect, truth, &image).map_err(failed)?;
         Ok((row, image, error, errors))

@@ -296,7 +296,7 @@ impl FrameWork for Watch<'_> {
         if is_rendered {
             let materials = &scene.mesh.materials;
             let stage = self.stage.get_or_insert_with(|| Arc::new(Stage::new(materials, geometry)));
-            self.scene.notes = stage.notes().to_vec();
+            self.scene.notes = stage.notes.clone();
             let studio = studio(plan, self.request, stage, &session);
             for (place, effect) in self.request.effects.iter().enumerate() {
                 let reference = studio.reference(*effect, self.exposures.get(place).copied(), context)?;

@@ -311,7 +311,7 @@ fn chosen_points_are_measured_again() {
         (&again.rows, &again.interleaved_sets, &again.pareto),
         (&record.rows, &record.interleaved_sets, &record.pareto)
     );
-    let other = crate::plan::Shard { index: 2, count: 2, plan_sha256: String::new() };
+    let other = crate::results::ShardRecord::here(2, 2, String::new());
     let quiet_journal = Journal::none();
     let mut context = Context::new(&none, &cache, &quiet, &quiet_journal);
     context.shard = Some(other);
