@@ -1,6 +1,7 @@
 #!/bin/bash
 # Makes folders of results small enough to keep: records compressed (every verb reads them so), pictures as SVG alone, without
-# pages in HTML or tables in CSV; of tables of papers without summaries and plain charts. `tracebench report DIR` makes what is left out again.
+# pages in HTML or tables in CSV; of tables of papers without summaries and plain charts. `tracebench report DIR` makes what is left out again,
+# and with `--html` the pages.
 # Only what tracebench.sha256, the list of a folder, has as it is there is touched; a folder without a list is left alone.
 # results/pack.sh DIR...
 set -euo pipefail

@@ -11,9 +11,6 @@ use crate::report::{self as reports, MAX_BYTES, Makers};
 use crate::results::Record;
 use crate::{papers, tables};
 
-/// The page of a record in the folder where that is.
-pub(super) const BESIDE: &str = "report.html";
-
 const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
 
 /// Writes one page of all records, with what is missing beside them.
@@ -58,7 +55,7 @@ pub(super) fn write(
 pub(super) fn beside(record: &Record, folder: &OutputFolder) -> Result<(), CliError> {
     let path = folder.path().to_owned();
     let records = [(path.display().to_string(), record.clone())];
-    made(&records, &[], &command(&path.join(BESIDE), &[path]), (folder, BESIDE)).map(drop)
+    made(&records, &[], &command(&path.join(reports::PAGE_FILE), &[path]), (folder, reports::PAGE_FILE)).map(drop)
 }
 
 /// Writes a page, and gives what had no room.

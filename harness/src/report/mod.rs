@@ -76,6 +76,9 @@ use tables::Placed;
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
 
+/// The page of a record in the folder where that is.
+pub const PAGE_FILE: &str = "report.html";
+
 /// The same compressed by xz.
 const PACKED: &str = "run.json.xz";
 
@@ -211,7 +214,7 @@ pub fn may_be_written(name: &str) -> bool {
     let begins = |begin: &str| name.strip_prefix(begin).is_some_and(|rest: &str| rest.starts_with(['.', '_']));
     let ends = [".md", ".csv", ".json", ".svg", ".png"].iter().any(|end| name.ends_with(end));
     ends && BEGINNINGS.split_whitespace().any(begins)
-        || [RUN_FILE, PACKED, PICTURES_FOLDER, "report.html", "interleaved_sets"].contains(&name)
+        || [RUN_FILE, PACKED, PICTURES_FOLDER, PAGE_FILE, "interleaved_sets"].contains(&name)
 }
 
 /// Writes `run.json`, then what is derived from it; gives the paths in that order.

@@ -102,7 +102,7 @@ struct Reproduction {
 const FILE: &str = "reproduce.json";
 
 /// The one page of all that was measured.
-const ANSWER: &str = html::BESIDE;
+const ANSWER: &str = report::PAGE_FILE;
 
 /// Kept for the report, share of the time that is given, and at most.
 const REPORT_SHARE: f64 = 0.05;

@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use itertools::Itertools as _;
 
 use super::answer::ASKED;
-use super::in_short::{cases_of, winners};
-use super::pieces::escape;
+use super::in_short::{cases_of, unsure, winners};
 use super::read::Read;
 use super::write::inline;
 use super::{Place, told};
@@ -14,7 +13,7 @@ use crate::report::pareto::page::asked;
 use crate::report::verdict::{self, Verdict};
 use crate::studies::pareto::{Aim, best};
 
-/// So many tracers are named in a sentence; what is left of the cases is counted.
+/// So many tracers are named in a sentence; others are counted.
 const MAX_NAMED: usize = 3;
 
 /// Sentences, a chart with its figure, and links to what most readers look for next; `others` are sections with their titles.
@@ -39,7 +38,7 @@ pub(super) fn screen(
     }
     let budget = (!places.is_empty()).then_some(("budget", "Within your budget"));
     let links = budget.into_iter().chain(others.iter().copied().filter(|(id, _)| *id != "rules"));
-    let links = links.take(2).chain([("rules", "How is measured and judged")]);
+    let links = links.take(2).chain([("rules", "How it is measured and judged")]);
     let links = links.map(|(id, title)| format!("<a href=\"#{id}\">{title}</a>")).join(" · ");
     let _ = write!(html, "</div>\n{chart}<p>{links}</p>\n</section>\n");
     html
@@ -69,20 +68,9 @@ fn sentences(cases: &[&Place<'_>], machine: Option<usize>) -> String {
     );
     for aim in Aim::ALL {
         let won = winners(cases, aim);
-        let one = |(tracer, won, noisy): &(Option<&str>, usize, usize)| {
-            let name = tracer.map_or_else(|| "nobody".to_owned(), |name| format!("<strong>{}</strong>", escape(name)));
-            let of = if cases.len() == 1 { String::new() } else { format!(" in {won} of {}", cases.len()) };
-            let noise = match (noisy, cases.len()) {
-                (0, _) => String::new(),
-                (_, 1) => " (within noise)".to_owned(),
-                (noisy, _) => format!(" ({noisy} within noise)"),
-            };
-            format!("{name}{of}{noise}")
-        };
-        let rest: usize = won.iter().skip(MAX_NAMED).map(|(_, won, _)| won).sum();
-        let rest = if rest > 0 { format!(", others in {rest}") } else { String::new() };
-        let named = won.iter().take(MAX_NAMED).map(one).join(", ");
-        html += &item(&format!("{} is {named}{rest}.", capitalised(aim.name())));
+        let rest = if won.len() > MAX_NAMED { format!(", {} others", won.len() - MAX_NAMED) } else { String::new() };
+        let named = won[..won.len().min(MAX_NAMED)].join(", ");
+        html += &item(&format!("{} is {named}{rest}{}.", capitalised(aim.name()), unsure(cases)));
     }
     html + "</ul>\n"
 }

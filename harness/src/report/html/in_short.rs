@@ -53,8 +53,9 @@ pub(super) fn cases_of<'p, 'a>(places: &'p [Place<'a>], machine: usize) -> Vec<&
     own
 }
 
-/// Who is best for a need: of every tracer in how many cases, and in how many of these another may be as good; nobody comes last.
-pub(super) fn winners<'a>(cases: &[&Place<'a>], aim: Aim) -> Vec<(Option<&'a str>, usize, usize)> {
+/// Who is best for a need, in words: every tracer with how many cases it has and in how many of these another may be as good, the most
+/// first; nobody comes last.
+pub(super) fn winners(cases: &[&Place<'_>], aim: Aim) -> Vec<String> {
     let mut won: Vec<(Option<&str>, usize, usize)> = Vec::new();
     for place in cases {
         let found = best(place.field, &place.field.entries, place.by, ASKED, aim);
@@ -66,7 +67,26 @@ pub(super) fn winners<'a>(cases: &[&Place<'a>], aim: Aim) -> Vec<(Option<&'a str
         }
     }
     won.sort_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count)));
-    won
+    let each = |(tracer, count, noisy): (Option<&str>, usize, usize)| {
+        let name = tracer.map_or_else(|| "nobody".to_owned(), |name| format!("<strong>{}</strong>", escape(name)));
+        match (cases.len(), noisy) {
+            (1, 0) => name,
+            (1, _) => format!("{name} (within noise)"),
+            (all, 0) => format!("{name} (in {count} of {all})"),
+            (all, noisy) => format!("{name} (in {count} of {all}, {noisy} of them within noise)"),
+        }
+    };
+    won.into_iter().map(each).collect()
+}
+
+/// In how many cases there are too few rays to tell.
+pub(super) fn unsure(cases: &[&Place<'_>]) -> String {
+    let unsure = cases.iter().filter(|place| !too_few(ASKED, place.field).is_empty()).count();
+    match (unsure, cases.len()) {
+        (0, _) => String::new(),
+        (_, 1) => "; too few rays to tell".to_owned(),
+        (some, all) => format!("; in {some} of {all} too few rays to tell"),
+    }
 }
 
 /// Which to choose for a ray set, in how many of its cases, which are scenes, or records of the same scene.
@@ -83,23 +103,6 @@ fn said(cases: &[&Place<'_>]) -> String {
         (least, most) if least == most => format!(", of {most} tracers"),
         (least, most) => format!(", of {least} to {most} tracers"),
     };
-    let winners = Aim::ALL.map(|aim| {
-        let each = |(tracer, count, noisy): &(Option<&str>, usize, usize)| {
-            let name = tracer.map_or_else(|| "nobody".to_owned(), |name| format!("<strong>{}</strong>", escape(name)));
-            match (cases.len(), *noisy) {
-                (1, 0) => name,
-                (1, _) => format!("{name} (within noise)"),
-                (all, 0) => format!("{name} (in {count} of {all})"),
-                (all, noisy) => format!("{name} (in {count} of {all}, {noisy} of them within noise)"),
-            }
-        };
-        format!("{} {}", aim.name(), winners(cases, aim).iter().map(each).collect::<Vec<_>>().join(", "))
-    });
-    let unsure = cases.iter().filter(|place| !too_few(ASKED, place.field).is_empty()).count();
-    let unsure = match (unsure, cases.len()) {
-        (0, _) => String::new(),
-        (_, 1) => "; too few rays to tell".to_owned(),
-        (some, all) => format!("; in {some} of {all} too few rays to tell"),
-    };
-    format!("{where_to}{of}: {}{unsure}", winners.join("; "))
+    let winners = Aim::ALL.map(|aim| format!("{} {}", aim.name(), winners(cases, aim).join(", ")));
+    format!("{where_to}{of}: {}{}", winners.join("; "), unsure(cases))
 }

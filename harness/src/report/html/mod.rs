@@ -126,7 +126,7 @@ pub fn page(
     sections.add(
         "rules",
         "Rules",
-        vec![Piece::Fixed(fronts::details("How is measured and judged", "", &write::rules(RULES)))],
+        vec![Piece::Fixed(fronts::details("How it is measured and judged", "", &write::rules(RULES)))],
     );
     let chart = sections.first_chart(first::hardest(&places).map(Place::title));
     let first = first::screen(&places, &all, &machines, &chart, &sections.titles);

@@ -142,7 +142,7 @@ fn the_first_screen_answers() {
         (first, count)
     };
     let (fronts, links) = first(&[("fronts", planted())]);
-    assert!(fronts.contains("<li>Fastest is <strong>fair</strong> in 2 of 2"), "{fronts}");
+    assert!(fronts.contains("<li>Fastest is <strong>fair</strong> (in 2 of 2"), "{fronts}");
     assert_eq!((fronts.matches("<li>").count(), fronts.matches("<svg ").count(), links), (3, 1, 3), "{fronts}");
     let cases = || Record { cases: Some(CasesRecord { cases: Vec::new() }), ..fixture::typical() };
     let (matrix, _) = first(&[("cases", cases())]);

@@ -12,8 +12,8 @@ use crate::studies::stability::{Stability, Verdict};
 /// So many cases have a sentence of their own.
 const MAX_CASES: usize = 4;
 
-/// An image that this FLIP tells from its reference hardly looks different.
-const SMALL_FLIP: f64 = 0.01;
+/// Below this FLIP an image hardly looks different from its reference; of ray sets the same share may be wrong.
+const SMALL_ERROR: f64 = 0.01;
 
 /// Sentences on a record; none of one whose tables answer.
 pub(super) fn sentences(record: &Record) -> Vec<String> {
@@ -71,7 +71,7 @@ fn frames_of(section: &FramesRecord) -> Vec<String> {
         let timed = shown.iter().filter(|shown| !shown.series.is_control() && !shown.ms().is_empty());
         let timed: Vec<_> = timed.sorted_by(|a, b| median(&a.ms()).total_cmp(&median(&b.ms()))).collect();
         let error = |shown: &frames::Shown<'_>| match (shown.flip().as_slice(), shown.right(2, false)) {
-            ([], right) => (right.map(|share| 1.0 - share), "wrong rays"),
+            ([], right) => (right.map(|share| 1.0 - share), "the share of wrong rays"),
             (flip, _) => (Some(median(flip)), "FLIP"),
         };
         let told = |shown: &&frames::Shown<'_>| {
@@ -79,12 +79,13 @@ fn frames_of(section: &FramesRecord) -> Vec<String> {
             let value = value.map_or_else(|| "unknown".to_owned(), |value| significant(value, 2));
             format!("**{}** ({} ms, {what} {value})", shown.series.tracer.label(), significant(median(&shown.ms()), 3))
         };
-        let good = timed.iter().find(|shown| error(shown).0.is_some_and(|error| error < SMALL_FLIP));
+        let good = timed.iter().find(|shown| error(shown).0.is_some_and(|error| error < SMALL_ERROR));
         let good = good.map_or_else(|| "nobody".to_owned(), told);
-        let name = &section.scenes[scene].scene.name;
+        let (name, fastest) = (&section.scenes[scene].scene.name, timed.first()?);
+        let (_, what) = error(fastest);
         Some(format!(
-            "{name}, {work}: the fastest frame is that of {}; with less than {SMALL_FLIP} that of {good}.",
-            told(timed.first()?)
+            "{name}, {work}: the fastest frame is that of {}; where {what} is under {SMALL_ERROR}, that of {good}.",
+            told(fastest)
         ))
     };
     let all = (0..section.scenes.len()).flat_map(|scene| section.works.iter().map(move |work| (scene, work)));
