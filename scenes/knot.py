@@ -10,6 +10,10 @@ import struct
 import sys
 
 
+# Points around the knot's tube, along it, and along an edge of the ground.
+AROUND, ALONG, EDGE = 96, 900, 121
+
+
 def grid(rows, columns, point, wraps):
     """Points of a grid, and two triangles a cell; it closes upon itself where it wraps."""
     points = [point(row, column) for row in range(rows) for column in range(columns)]
@@ -38,8 +42,8 @@ def cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def on_knot(row, column, rows=900, columns=96):
-    turn, around = 2.0 * math.pi * row / rows, 2.0 * math.pi * column / columns
+def on_knot(row, column):
+    turn, around = 2.0 * math.pi * row / ALONG, 2.0 * math.pi * column / AROUND
     here, ahead = centre(turn), centre(turn + 1e-4)
     along = unit([b - a for a, b in zip(here, ahead)])
     side = unit(cross(along, (0.0, 1.0, 0.0)))
@@ -51,20 +55,21 @@ def on_knot(row, column, rows=900, columns=96):
     )
 
 
-def on_ground(row, column, edge=121):
-    x, z = 10.0 * row / (edge - 1) - 5.0, 10.0 * column / (edge - 1) - 5.0
+def on_ground(row, column):
+    x, z = 10.0 * row / (EDGE - 1) - 5.0, 10.0 * column / (EDGE - 1) - 5.0
     return round(x, 5), round(0.25 * math.sin(1.7 * x) * math.cos(1.3 * z), 5), round(z, 5)
 
 
 def main(path):
-    points, triangles = grid(900, 96, on_knot, True)
-    ground, of_ground = grid(121, 121, on_ground, False)
+    points, triangles = grid(ALONG, AROUND, on_knot, True)
+    ground, of_ground = grid(EDGE, EDGE, on_ground, False)
     triangles += [tuple(len(points) + corner for corner in triangle) for triangle in of_ground]
     points += ground
     positions = array.array("f", [x for point in points for x in point])
     indices = array.array("I", [corner for triangle in triangles for corner in triangle])
     if sys.byteorder == "big":
-        positions.byteswap(), indices.byteswap()
+        positions.byteswap()
+        indices.byteswap()
     data = positions.tobytes() + indices.tobytes()
     ends = [[end(point[axis] for point in points) for axis in range(3)] for end in (min, max)]
     document = {
@@ -93,4 +98,7 @@ def main(path):
 
 if len(sys.argv) != 2:
     sys.exit(__doc__)
-main(sys.argv[1])
+try:
+    main(sys.argv[1])
+except OSError as error:
+    sys.exit(f"{error}: name a file in a folder that is there")
