@@ -77,15 +77,20 @@ impl Judgement {
     /// Why shares of right answers say nothing, where truth leaves a tracer that never hits, or always, nothing to get wrong: no ray
     /// hits anything, or no ray of an any-hit set misses everything.
     pub fn one_sided(&self) -> Option<&'static str> {
-        let (hits, misses) = match self {
+        let [hits, misses] = self.true_hits_and_misses();
+        one_sided(if matches!(self, Self::Any(_)) { Query::Any } else { Query::Closest }, hits, misses)
+    }
+
+    /// Rays that truly hit and that truly miss, of those that have a class.
+    pub fn true_hits_and_misses(&self) -> [u64; 2] {
+        match self {
             Self::Closest(ClosestJudgement { classes: ByRule { tight, .. }, .. }) => {
-                (tight.true_hit + tight.false_miss + tight.early + tight.late, tight.true_miss + tight.false_hit)
+                [tight.true_hit + tight.false_miss + tight.early + tight.late, tight.true_miss + tight.false_hit]
             }
             Self::Any(AnyJudgement { occlusion: of, .. }) => {
-                (of.true_occluded + of.false_free, of.true_free + of.false_occluded)
+                [of.true_occluded + of.false_free, of.true_free + of.false_occluded]
             }
-        };
-        one_sided(if matches!(self, Self::Any(_)) { Query::Any } else { Query::Closest }, hits, misses)
+        }
     }
 
     /// How often its answers are right by every rule, on so many rays that count.

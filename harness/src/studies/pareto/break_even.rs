@@ -126,6 +126,21 @@ pub enum BreakEven {
     Undecided(String),
 }
 
+impl BreakEven {
+    /// From how many rays on, with its interval, and whether it lies beyond what was measured.
+    pub fn at(&self) -> Option<(f64, [f64; 2], bool)> {
+        match *self {
+            Self::At { rays, interval, beyond_measured, .. } => Some((rays, interval, beyond_measured)),
+            Self::Always(_) | Self::Undecided(_) => None,
+        }
+    }
+
+    /// Why nobody can tell.
+    pub fn undecided(&self) -> Option<&str> {
+        if let Self::Undecided(why) = self { Some(why) } else { None }
+    }
+}
+
 /// The least and the greatest number of rays that was measured of two methods.
 fn measured(one: &FrameCost, other: &FrameCost) -> [f64; 2] {
     let ([low, high], [other_low, other_high]) = (one.traces.ends(), other.traces.ends());

@@ -170,9 +170,8 @@ impl Wrong {
 fn bound(trace: &TraceRecord) -> f64 {
     match &trace.judgement {
         Judgement::Closest(closest) => rule_of_three(trace.count.saturating_sub(closest.left_out())),
-        Judgement::Any(any) => {
-            let table = &any.occlusion;
-            let kinds = [table.true_occluded + table.false_free, table.true_free + table.false_occluded];
+        Judgement::Any(_) => {
+            let kinds = trace.judgement.true_hits_and_misses();
             let there: Vec<f64> = kinds.into_iter().filter(|rays| *rays > 0).map(rule_of_three).collect();
             there.iter().sum::<f64>() / (there.len() as f64).max(1.0)
         }
@@ -222,14 +221,13 @@ pub(super) fn is_at(row: &Row, scene: &FrontScene, viewpoint: &ViewpointRecord) 
 
 /// Whether not one ray hits anything: whoever misses always is right then, and no point is better than another.
 pub(super) fn sees_nothing(trace: &TraceRecord) -> bool {
+    let [hits, _] = trace.judgement.true_hits_and_misses();
     match &trace.judgement {
         Judgement::Closest(closest) => {
-            let classes = &closest.classes.tight;
-            let by_class = classes.true_hit + classes.false_miss + classes.early + classes.late;
-            let hits = closest.truth.as_ref().map_or(by_class, |truth| truth.hits + truth.ambiguous_hits);
+            let hits = closest.truth.as_ref().map_or(hits, |truth| truth.hits + truth.ambiguous_hits);
             hits == 0 && closest.left_out() < trace.count
         }
-        Judgement::Any(any) => any.occlusion.true_occluded + any.occlusion.false_free == 0,
+        Judgement::Any(_) => hits == 0,
     }
 }
 
