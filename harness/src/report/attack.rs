@@ -1,8 +1,10 @@
 //! `attack.md`: where tracers are wrong the most, beside their scene's own viewpoint and random poses.
 
+use itertools::Itertools as _;
+
 use super::document::Document;
 use super::sheet::{Cell, Sheet};
-use super::{Report, ReportError, Tables, group, rows, summary};
+use super::{Report, group, rows, summary};
 use crate::results::{Accuracy, AttackRecord, PICTURES_FOLDER, PoseRecord, Record, SearchRecord, TraceRecord};
 use crate::studies::attack::FINER;
 
@@ -13,10 +15,9 @@ pub const ATTACK_PAGE: &str = "attack.md";
 const TOP_CAUSES: usize = 3;
 
 /// What is made of searches.
-pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
-    let Some(attack) = &record.attack else { return Ok(Report::default()) };
+pub(super) fn report(record: &Record) -> Option<Report> {
     let of_rows = rows(record, &group::groups(record), Sheet::new(), |_| None::<()>);
-    Ok(Report::of_page(ATTACK_PAGE, page(record, attack)).and(of_rows))
+    Some(Report::of_page(ATTACK_PAGE, page(record, record.attack.as_ref()?)).and(of_rows))
 }
 
 fn page(record: &Record, attack: &AttackRecord) -> Document {
@@ -25,7 +26,7 @@ fn page(record: &Record, attack: &AttackRecord) -> Document {
     let right = |trace: Option<&TraceRecord>| accuracy(trace).map_or(Cell::None, Cell::Accuracy);
     let causes = |trace: Option<&TraceRecord>| {
         let causes = trace.map(|trace| attack.causes(trace)).unwrap_or_default().into_iter().take(TOP_CAUSES);
-        causes.map(|(cause, rays)| format!("{cause} {rays}")).collect::<Vec<_>>().join(", ")
+        causes.map(|(cause, rays)| format!("{cause} {rays}")).join(", ")
     };
     let worst = |search: &SearchRecord| trace(search, &search.found[0].viewpoint);
     let sheet = Sheet::<SearchRecord>::new()
@@ -68,15 +69,14 @@ fn page(record: &Record, attack: &AttackRecord) -> Document {
         let all: Vec<PoseRecord> = search.found.iter().chain([&search.random]).cloned().collect();
         let small = search.shrunk.iter().map(|small| {
             let (rays, triangles) = (small.rays, small.triangles);
-            let words = format!(
+            format!(
                 "Made small, with the cause `{}`: rays {rays}, triangles {triangles} and {} that keep the bounds. \
                  From the folder of the record: `{}`",
                 small.cause, small.markers, small.command
-            );
-            Document::of(words)
+            )
         });
         let title = format!("{}, {}, {}", search.scene, search.tracer.label(), search.rays);
-        Document::default().heading(2, title).table(sheet.table(&all)).and(small)
+        Document::default().heading(2, title).table(sheet.table(&all)).paragraphs(small)
     };
     let head = summary::head(record, "Where tracers are wrong the most").paragraph(words);
     head.table(sheet.table(&attack.searches))

@@ -8,8 +8,8 @@ use tracebench_api::{ClockKind, Query};
 
 use super::cells::TableRow;
 use super::document::Document;
-use super::format::{NONE, mib, percent, significant};
-use super::group::{Group, RaySet, Role};
+use super::format::{NONE, mib, percent, with_interval};
+use super::group::{Group, RaySet, Role, gathered};
 use super::markdown::literal;
 use super::metrics::{self, BALANCED, STRUCTURE, Traced};
 use super::sheet::{Cell, Column, Columns, Sheet};
@@ -100,13 +100,12 @@ impl Beside<'_> {
     /// The ratio with its interval, and whether it is undecided.
     fn said(&self) -> String {
         let Some(ratio) = self.paired.ratio else { return NONE.to_owned() };
-        let [value, low, high] = [ratio.value, ratio.interval[0], ratio.interval[1]].map(|each| significant(each, 3));
         let doubt = match self.paired.answer(0.0) {
             Answer::Undecided(Caveat::Interval) => " undecided".to_owned(),
             Answer::Undecided(why) => format!(" undecided ({why})"),
             Answer::Longer | Answer::Shorter | Answer::Same => String::new(),
         };
-        format!("{value} [{low}, {high}]{doubt}")
+        with_interval(ratio.value, ratio.interval, 3) + &doubt
     }
 
     fn of(&self) -> String {
@@ -165,9 +164,8 @@ pub(super) fn table(place: Place<'_>) -> Document {
 /// Every tracer over the scenes of a run, if there are several, by ray set: least and most of what it has there.
 pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Option<Document> {
     let mut page = Document::default();
-    for rays in groups.iter().flat_map(|group| &group.ray_sets).map(RaySet::name).unique() {
-        let sets = groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| Place { record, group, set }));
-        let places: Vec<Place<'_>> = sets.filter(|place| place.set.name() == rays).collect();
+    let all = groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| Place { record, group, set }));
+    for (rays, places) in gathered(all.map(|place| (place.set.name(), place))) {
         let places = &places;
         let scenes = places.iter().map(|place| &place.group.scene.name).unique().count();
         if scenes < 2 {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use tracebench_api::{Query, Status};
 
-use super::cells::{self, TableRow};
+use super::cells::TableRow;
 use super::document::Document;
 use super::group::Role;
 use super::metrics::TRACE_TIME;
@@ -34,7 +34,7 @@ pub(super) fn tables(query: Query, rows: &[TableRow<'_>]) -> Document {
     let rules = if query == Query::Any { vec![OCCLUSION] } else { Rule::ALL.map(Rule::name).to_vec() };
     let statuses: Vec<_> = counted().flat_map(|(row, of)| of.iter().map(move |each| (row, each))).collect();
     let mut sheet = Sheet::<(TableRow<'_>, (&String, &StatusCounts))>::new()
-        .name(|(row, _)| Some(*row))
+        .name()
         .column("status", |(_, (status, _))| (*status).clone())
         .column("rays", |(_, (_, of))| of.rays);
     for rule in rules.iter().copied() {
@@ -62,9 +62,8 @@ fn trusts(rows: &[(TableRow<'_>, &str, ByStatus<'_>)]) -> Table {
         let handed = of.iter().filter(|(name, _)| !trusted.iter().any(|status| status.name() == *name));
         handed.fold([0, 0], |[wrong, fine], (_, of)| [wrong + of.rays - right(of, rule), fine + right(of, rule)])
     };
-    let mut sheet = Sheet::<(TableRow<'_>, &str, ByStatus<'_>)>::new()
-        .name(|(row, ..)| Some(*row))
-        .column("rule", |(_, rule, _)| (*rule).to_owned());
+    let mut sheet =
+        Sheet::<(TableRow<'_>, &str, ByStatus<'_>)>::new().name().column("rule", |(_, rule, _)| (*rule).to_owned());
     for (place, kind) in ["wrong rays", "right rays"].into_iter().enumerate() {
         sheet = sheet.column(kind, move |(_, rule, of)| split(rule, of, &[])[place]);
         for (trust, trusted) in TRUSTED {
@@ -92,11 +91,11 @@ fn parts(query: Query, rows: &[TableRow<'_>]) -> Table {
             .then(|| other.times.median_ms * 1e6 / other.count.max(1) as f64)
     };
     let own: Vec<TableRow<'_>> = rows.iter().filter(|row| handed(row).is_some()).copied().collect();
-    Sheet::new()
-        .name(cells::own)
-        .own_clock(cells::own)
-        .taken(TRACE_TIME, cells::own)
-        .right(query, cells::own)
+    Sheet::<TableRow<'_>>::new()
+        .name()
+        .own_clock()
+        .taken(TRACE_TIME)
+        .right(query)
         .column("rays handed over", move |row| share(handed(row).unwrap_or(0), row.2.count))
         .phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times))
         .column("a ray handed over (ns) ↓", move |row| ns(of_second(&row.2.times), handed(row).unwrap_or(0)))

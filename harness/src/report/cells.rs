@@ -1,59 +1,147 @@
-//! Columns of pages that tell of traces: never a speed without its accuracy.
+//! Columns that several tables have: what was measured, by which clock, and how right it is; never a speed without its accuracy.
 
 use std::collections::BTreeMap;
 
+use itertools::Itertools as _;
+use serde::Serialize;
 use tracebench_api::Query;
 
 use super::document::Document;
-use super::format::{significant, statistic, thousands};
+use super::format::{clock_of, code, significant, statistic, thousands};
 use super::group::{Group, RaySet, Role};
-use super::metrics::{Better, Metric, SPEED, headed, judged};
+use super::metrics::{self, BUILD_TIME, Better, FIRST_BUILD, Metric, SPEED, STEADY_BUILD, headed, judged};
 use super::sheet::{Cell, Column, Sheet};
-use crate::results::{CounterRecord, Row, TraceRecord};
+use crate::results::{CounterRecord, Judgement, PhaseRecord, Row, Times, TraceRecord};
 
 /// A trace with its place in the table.
 pub(crate) type TableRow<'a> = (Role, &'a Row, &'a TraceRecord);
 
-/// The row of a table that has no others.
-pub(crate) fn own<'a>(row: &'a TableRow<'_>) -> Option<TableRow<'a>> {
-    Some(*row)
+/// A row of a table that tells of a trace, if it does.
+pub(crate) trait Told {
+    /// The trace with its place.
+    fn told(&self) -> Option<TableRow<'_>>;
+}
+
+impl Told for TableRow<'_> {
+    fn told(&self) -> Option<TableRow<'_>> {
+        Some(*self)
+    }
+}
+
+impl<T> Told for (TableRow<'_>, T) {
+    fn told(&self) -> Option<TableRow<'_>> {
+        Some(self.0)
+    }
+}
+
+impl<T, U> Told for (TableRow<'_>, T, U) {
+    fn told(&self) -> Option<TableRow<'_>> {
+        Some(self.0)
+    }
 }
 
 impl<'a, R> Sheet<'a, R> {
+    /// With something as JSON.
+    pub(super) fn json<T: Serialize + 'a>(self, name: &str, of: impl Fn(&R) -> &T + 'a) -> Self {
+        self.csv_column(name, move |row| serde_json::to_string(of(row)).unwrap_or_default())
+    }
+
+    /// With the clock of times.
+    pub(crate) fn clock(self, name: &str, of: impl Fn(&R) -> Option<&Times> + 'a) -> Self {
+        let named = |times: &Times| Cell::Named(code(times.clock), clock_of(times));
+        self.and(Column::csv(name, move |row| of(row).map(named)).headed(name.replace('_', " ")))
+    }
+
+    /// With the phases of times by their medians.
+    pub(crate) fn phases(self, heading: &str, between: &'static str, of: impl Fn(&R) -> Option<&Times> + 'a) -> Self {
+        let phase = |phase: &PhaseRecord| format!("{} {}", phase.name, significant(phase.median_ms, 3));
+        let told = move |times: &Times| times.phases.iter().map(phase).join(between);
+        self.column(heading, move |row| of(row).map(told))
+    }
+
+    /// With the times of first and steady builds or, of records of before these were told, with that of builds under a name.
+    pub(crate) fn builds(self, called: &'static str, of: impl Fn(&R) -> Option<&Row> + Copy + 'a) -> Self {
+        let metrics = [BUILD_TIME.called(called), FIRST_BUILD, STEADY_BUILD];
+        self.with(metrics.map(|metric| metric.of_structure(of)).into())
+    }
+
+    /// With the phases of builds and, where what stands beside them is by the host's clock, theirs.
+    pub(crate) fn build_phases(
+        self,
+        heading: &str,
+        between: &'static str,
+        of: impl Fn(&R) -> &Row + Copy + 'a,
+    ) -> Self {
+        let clock = move |row: &R| {
+            let build = &of(row).build;
+            build.steady.as_ref().map_or(Cell::Absent, |_| clock_of(&build.times).into())
+        };
+        self.column("clock of phases", clock).phases(heading, between, move |row| Some(&of(row).build.times))
+    }
+
+    /// With a figure of structures.
+    pub(crate) fn structure(self, metric: Metric, of: impl Fn(&R) -> Option<&Row> + 'a) -> Self {
+        self.and(metric.of_structure(of))
+    }
+
+    /// With what tells how often answers to a query are right, of a judgement on so many rays that count.
+    pub(super) fn accuracies_of(self, query: Query, of: impl Fn(&R) -> Option<(&Judgement, u64)> + Copy + 'a) -> Self {
+        let column = |(place, metric): (usize, &Metric)| {
+            let right = move |row: &R| {
+                let (judgement, trials) = of(row)?;
+                let of_query = matches!(judgement, Judgement::Closest(_)) == (query == Query::Closest);
+                judgement.accuracies(trials).get(place).filter(|_| of_query).copied().map(Cell::Accuracy)
+            };
+            metric.shown(right)
+        };
+        self.with(metrics::accuracies(query).iter().enumerate().map(column).collect())
+    }
+}
+
+impl<'a, R: Told> Sheet<'a, R> {
     /// With the tracer's label.
-    pub(crate) fn name(self, of: impl Fn(&R) -> Option<TableRow<'_>> + 'a) -> Self {
-        self.column("tracer", move |row| of(row).map(|(role, row, _)| label(role, row)))
+    pub(crate) fn name(self) -> Self {
+        self.column("tracer", |row| row.told().map(|(role, row, _)| label(role, row)))
     }
 
     /// With the clock of traces; controls trace nothing.
-    pub(crate) fn own_clock(self, of: impl Fn(&R) -> Option<TableRow<'_>> + 'a) -> Self {
-        self.clock("clock", move |row| of(row).filter(contends).map(|(.., trace)| &trace.times))
+    pub(crate) fn own_clock(self) -> Self {
+        self.clock("clock", |row| row.told().filter(contends).map(|(.., trace)| &trace.times))
+    }
+
+    /// With figures of traces.
+    pub(crate) fn figures(self, metrics: impl IntoIterator<Item = Metric>) -> Self {
+        let column = |metric: Metric| metric.of_trace(|row: &R| row.told().map(|(.., trace)| trace));
+        self.with(metrics.into_iter().map(column).collect())
     }
 
     /// With what traces take, only beside an accuracy, and never of controls.
-    pub(crate) fn taken(self, metric: Metric, of: impl Fn(&R) -> Option<TableRow<'_>> + 'a) -> Self {
-        self.trace(metric, move |row| of(row).filter(|row| contends(row) && judged(row.2)).map(|(.., trace)| trace))
+    pub(crate) fn taken(self, metric: Metric) -> Self {
+        let of = |row: &TableRow<'_>| contends(row) && judged(row.2);
+        self.and(metric.of_trace(move |row: &R| row.told().filter(of).map(|(.., trace)| trace)))
     }
 
     /// With what tells how often answers to a query are right.
-    pub(crate) fn right(self, query: Query, of: impl Fn(&R) -> Option<TableRow<'_>> + Copy + 'a) -> Self {
-        self.accuracies(query, move |row| of(row).map(|(.., trace)| trace))
+    pub(crate) fn right(self, query: Query) -> Self {
+        self.figures(metrics::accuracies(query).iter().copied())
     }
 
-    /// With every counter of some rows: means per ray, but of what is counted over a set how much of it.
-    pub(crate) fn counted(self, rows: &[TableRow<'a>], of: impl Fn(&R) -> Option<TableRow<'_>> + Copy + 'a) -> Self {
-        self.with(counted(rows).into_iter().map(|(name, of_set)| counter(name, of_set, of)).collect())
-    }
-
-    /// With those that are counted over a set, or else those that are not.
-    pub(crate) fn counted_that(
-        self,
-        are_of_set: bool,
-        rows: &[TableRow<'a>],
-        of: impl Fn(&R) -> Option<TableRow<'_>> + Copy + 'a,
-    ) -> Self {
-        let wanted = counted(rows).into_iter().filter(|(_, of_set)| *of_set == are_of_set);
-        self.with(wanted.map(|(name, of_set)| counter(name, of_set, of)).collect())
+    /// With the counters of some rows that are wanted, by whether they are counted over a set: means per ray, but of what is counted over a
+    /// set how much of it.
+    pub(crate) fn counted(self, rows: &[TableRow<'a>], is_wanted: fn(bool) -> bool) -> Self {
+        let mut counted: BTreeMap<&'a String, bool> = BTreeMap::new();
+        for (name, counter) in rows.iter().flat_map(|(.., trace)| &trace.counters) {
+            *counted.entry(name).or_default() |= counter.max_per_ray.is_none();
+        }
+        let counter = |(name, of_set): (&'a String, bool)| {
+            let heading = if of_set { name.clone() } else { format!("{name} per ray") };
+            Column::new(headed(&heading, Better::Lower), move |row: &R| {
+                let (_, row, trace) = row.told()?;
+                let counter = trace.counters.get(name)?;
+                Some(touched(row, name, counter).map_or(Cell::Number(counter.per_ray, 4), Cell::Text))
+            })
+        };
+        self.with(counted.into_iter().filter(|(_, of_set)| is_wanted(*of_set)).map(counter).collect())
     }
 }
 
@@ -65,8 +153,7 @@ pub(super) fn traces<'a>(
 ) -> Document {
     let all = group.traces(set);
     let rows: Vec<TableRow<'_>> = all.iter().copied().filter(contends).collect();
-    let sheet =
-        adaptive(Sheet::new().name(own).own_clock(own).taken(SPEED, own)).right(set.query, own).counted(&rows, own);
+    let sheet = adaptive(Sheet::new().name().own_clock().taken(SPEED)).right(set.query).counted(&rows, |_| true);
     set.headed(3, "").paragraph(coverage(&all)).table(sheet.table(&rows))
 }
 
@@ -105,24 +192,6 @@ pub(super) fn touched(row: &Row, name: &str, counter: &CounterRecord) -> Option<
             format!("{} ({share} % of {})", thousands(counter.total), statistic(*stored))
         }
         None => thousands(counter.total),
-    })
-}
-
-/// The counters of some rows, and whether they are counted over a set.
-fn counted<'a>(rows: &[TableRow<'a>]) -> BTreeMap<&'a String, bool> {
-    let mut counted = BTreeMap::new();
-    for (name, counter) in rows.iter().flat_map(|(.., trace)| &trace.counters) {
-        *counted.entry(name).or_default() |= counter.max_per_ray.is_none();
-    }
-    counted
-}
-
-fn counter<'a, R>(name: &'a String, of_set: bool, of: impl Fn(&R) -> Option<TableRow<'_>> + 'a) -> Column<'a, R> {
-    let heading = if of_set { name.clone() } else { format!("{name} per ray") };
-    Column::new(headed(&heading, Better::Lower), move |row| {
-        let (_, row, trace) = of(row)?;
-        let counter = trace.counters.get(name)?;
-        Some(touched(row, name, counter).map_or(Cell::Number(counter.per_ray, 4), Cell::Text))
     })
 }
 

@@ -1,5 +1,7 @@
 //! A comparison of two runs as text.
 
+use itertools::Itertools as _;
+
 use super::document::Document;
 use super::format::{self, NONE, clock, optional, percent, significant, thousands};
 use super::sheet::{Cell, Sheet, Table};
@@ -14,7 +16,7 @@ pub fn comparison_text(comparison: &Comparison) -> String {
     };
     let sides = [("A", &comparison.a), ("B", &comparison.b)].map(side).into_iter();
     let items = sides.chain(comparison.differences.iter().map(|difference| format!("**differs**, {difference}")));
-    let mut page = Document::titled("Comparison of two runs").and(items.map(|item| Document::default().item(item))).paragraph(format!(
+    let mut page = Document::titled("Comparison of two runs").items(items).paragraph(format!(
         "Ratios are speed of B over speed of A: below 1 is slower. Intervals combine order statistics of both; what they \
          cover stands beside. A time moved if its interval excludes 1 and the slower takes more than {threshold} % longer; it is within \
          {threshold} % if the whole interval is; else it is undecided, as it is with fewer than {MIN_ROUNDS} samples, with invalid \
@@ -38,10 +40,9 @@ pub fn comparison_text(comparison: &Comparison) -> String {
 fn moved(comparison: &Comparison) -> Document {
     let mut lines = Vec::new();
     for row in &comparison.builds {
-        lines.extend(
-            row.speeds()
-                .filter_map(|(build, speed)| Some(format!("{}: {build} {}", row.key.sentence(), movement(speed)?))),
-        );
+        let moved =
+            |(build, speed): (&str, &Speed)| Some(format!("{}: {build} {}", row.key.sentence(), movement(speed)?));
+        lines.extend(row.speeds().filter_map(moved));
     }
     for row in &comparison.traces {
         let shifts = row.accuracy.iter().filter_map(|accuracy| {
@@ -62,7 +63,7 @@ fn moved(comparison: &Comparison) -> Document {
     Document::default()
         .heading(2, "Moved beyond noise")
         .paragraph(if lines.is_empty() { "Nothing." } else { "" })
-        .and(lines.into_iter().map(|line| Document::default().item(line)))
+        .items(lines)
         .paragraph(format!(
             "Exactly changed: {builds} of {} structures (bytes, statistics), {traces} of {} traces (answers, bytes, counters).",
             comparison.builds.len(),
@@ -108,51 +109,46 @@ fn speed<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> &Speed + Copy + 'a) -> S
 fn changed(changes: &Changes) -> String {
     let value = |value: &Option<f64>| Cell::from(value.map(Cell::Statistic)).describe();
     let each = |(name, [a, b]): (&String, &[Option<f64>; 2])| format!("{name} {} → {}", value(a), value(b));
-    if changes.is_empty() { "same".to_owned() } else { changes.iter().map(each).collect::<Vec<_>>().join("; ") }
+    if changes.is_empty() { "same".to_owned() } else { changes.iter().map(each).join("; ") }
 }
 
 fn builds(comparison: &Comparison) -> Table {
     let sheet = Sheet::<(&BuildRow, &str, &Speed)>::new()
         .column("scene", |(row, ..)| Cell::Name(row.key.scene.clone()))
         .column("tracer", |(row, ..)| row.key.tracer.clone())
-        .column("what", |(_, what, _)| (*what).to_owned())
-        .then(|sheet| speed(sheet, |(.., speed)| speed))
+        .column("what", |(_, what, _)| (*what).to_owned());
+    let sheet = speed(sheet, |(.., speed)| speed)
         .column("bytes", |(row, ..)| changed(&row.bytes))
         .column("structure", |(row, ..)| changed(&row.statistics));
     let of_row = |row| BuildRow::speeds(row).map(move |(what, speed)| (row, what, speed));
-    let rows: Vec<_> = comparison.builds.iter().flat_map(of_row).collect();
-    sheet.table(&rows)
+    sheet.table(&comparison.builds.iter().flat_map(of_row).collect_vec())
 }
 
 fn traces(comparison: &Comparison) -> Table {
     let sheet = Sheet::<TraceRow>::new()
         .column("scene", |row| Cell::Name(row.key.scene.clone()))
         .column("tracer", |row| row.key.tracer.clone())
-        .column("rays", |row| row.key.rays.clone().unwrap_or_default())
-        // No speed stands without its accuracy.
-        .then(|sheet| speed(sheet, |row| &row.speed))
-        .column("accuracy, A → B", |row| row.accuracy.iter().map(accuracy).collect::<Vec<_>>().join("; "))
+        .column("rays", |row| row.key.rays.clone().unwrap_or_default());
+    // No speed stands without its accuracy.
+    speed(sheet, |row| &row.speed)
+        .column("accuracy, A → B", |row| row.accuracy.iter().map(accuracy).join("; "))
         .column("answers", |row| if row.same_hits { "same" } else { "differ" })
         .column("counters, totals", |row| changed(&row.counters))
-        .column("bytes", |row| changed(&row.bytes));
-    sheet.table(&comparison.traces)
+        .column("bytes", |row| changed(&row.bytes))
+        .table(&comparison.traces)
 }
 
 fn accuracy(accuracy: &Accuracy) -> String {
     let Accuracy { rule, a, b, a_wrong, b_wrong, rays, shift } = accuracy;
     let share = |share: &Option<f64>| share.map_or_else(|| NONE.to_owned(), |share| percent(share, *rays));
     let wrong = |count: &u64| thousands(*count);
-    match shift {
-        Shift::Same => format!("{rule} {} % ({} wrong)", share(a), wrong(a_wrong)),
-        Shift::Within | Shift::Better | Shift::Worse => {
-            let said = match shift {
-                Shift::Worse => " **less**",
-                Shift::Better => " more",
-                Shift::Same | Shift::Within => "",
-            };
-            format!("{rule} {} → {} % ({} → {} wrong){said}", share(a), share(b), wrong(a_wrong), wrong(b_wrong))
-        }
-    }
+    let said = match shift {
+        Shift::Same => return format!("{rule} {} % ({} wrong)", share(a), wrong(a_wrong)),
+        Shift::Worse => " **less**",
+        Shift::Better => " more",
+        Shift::Within => "",
+    };
+    format!("{rule} {} → {} % ({} → {} wrong){said}", share(a), share(b), wrong(a_wrong), wrong(b_wrong))
 }
 
 fn only(name: &str, keys: &[Key]) -> Document {
@@ -164,7 +160,7 @@ fn only(name: &str, keys: &[Key]) -> Document {
         let rays =
             rays_sha256.as_ref().map_or_else(String::new, |hash| format!(", rays {}", format::hash_prefix(hash)));
         let about = format!("scene {}{rays}, viewpoint {viewpoint}", format::hash_prefix(scene_sha256));
-        Document::default().item(format!("{} ({about})", key.sentence()))
+        format!("{} ({about})", key.sentence())
     };
-    Document::default().heading(2, format!("Only in {name}")).and(keys.iter().map(item))
+    Document::default().heading(2, format!("Only in {name}")).items(keys.iter().map(item))
 }

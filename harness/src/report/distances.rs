@@ -23,12 +23,11 @@ pub(super) fn tables(rows: &[TableRow<'_>]) -> Document {
         return Document::default();
     }
     let sheet = Sheet::<Told<'_>>::new()
-        .name(|(row, _)| Some(*row))
+        .name()
         .column("rays with a true hit", |(_, told)| told.rays)
-        .trace(WITHIN_TEXEL, |((.., trace), _)| Some(trace))
-        .trace(WITHIN_OWN_TEXEL, |((.., trace), _)| Some(trace))
+        .figures([WITHIN_TEXEL, WITHIN_OWN_TEXEL])
         .column("its texel (scene units)", |(_, told)| told.own_texel.map(|texel| Cell::Number(texel, 3)))
-        .trace(SURFACE_DISTANCE, |((.., trace), _)| Some(trace));
+        .figures([SURFACE_DISTANCE]);
     let common = told.first().map_or(0.0, |(_, told)| told.common_texel);
     let words = format!(
         "Told hits by their distance from the connected piece of mesh that is truly hit; a common texel is {} scene units:",
@@ -57,7 +56,7 @@ fn pieces(told: &[Told<'_>]) -> Table {
         Some((told.within_own_texel? * told.rays as f64).round() - within(piece)?)
     };
     let sheet = Sheet::<(TableRow<'_>, &SurfaceDistance, &PieceDistance)>::new()
-        .name(|(row, ..)| Some(*row))
+        .name()
         .column("piece (first triangle)", |(.., piece)| piece.first_triangle)
         .column("triangles", |(.., piece)| piece.triangles)
         .column("mean thickness (scene units)", |(.., piece)| match piece.open {

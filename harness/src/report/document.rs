@@ -5,7 +5,7 @@
 
 use tracebench_api::Query;
 
-use super::chart::Drawing;
+use super::chart::Chart;
 use super::format::{self, thousands};
 use super::markdown::literal;
 use super::sheet::Table;
@@ -23,7 +23,7 @@ pub(crate) enum Block {
     /// A table.
     Table(Table),
     /// A chart: its file without the end, what it shows, and itself.
-    Chart(String, String, Drawing),
+    Chart(String, String, Chart),
 }
 
 /// What a part belongs to.
@@ -98,6 +98,16 @@ impl Document {
         self.block(Block::Item(words.into()))
     }
 
+    /// With paragraphs.
+    pub(crate) fn paragraphs(self, all: impl IntoIterator<Item = String>) -> Self {
+        all.into_iter().fold(self, Self::paragraph)
+    }
+
+    /// With items of a list.
+    pub(crate) fn items(self, all: impl IntoIterator<Item = String>) -> Self {
+        all.into_iter().fold(self, Self::item)
+    }
+
     /// With a table.
     pub(crate) fn table(self, table: Table) -> Self {
         self.block(Block::Table(table))
@@ -109,15 +119,15 @@ impl Document {
     }
 
     /// With a chart.
-    pub(crate) fn chart(self, stem: impl Into<String>, alt: impl Into<String>, drawing: Drawing) -> Self {
-        self.block(Block::Chart(stem.into(), alt.into(), drawing))
+    pub(crate) fn chart(self, stem: impl Into<String>, alt: impl Into<String>, chart: Chart) -> Self {
+        self.block(Block::Chart(stem.into(), alt.into(), chart))
     }
 
     /// Its charts.
-    pub(crate) fn charts(&self) -> impl Iterator<Item = (&str, &Drawing)> {
-        self.blocks.iter().filter_map(|block| {
-            if let Block::Chart(stem, _, drawing) = block { Some((&**stem, drawing)) } else { None }
-        })
+    pub(crate) fn charts(&self) -> impl Iterator<Item = (&str, &Chart)> {
+        self.blocks
+            .iter()
+            .filter_map(|block| if let Block::Chart(stem, _, chart) = block { Some((&**stem, chart)) } else { None })
     }
 
     /// With what others have.

@@ -5,16 +5,15 @@ use std::collections::BTreeSet;
 use super::document::Document;
 use super::format;
 use super::sheet::{Cell, Column, Columns, Sheet, Table};
-use super::{Report, ReportError, Tables, summary};
+use super::{Report, summary};
 use crate::results::{Explained, ExplanationRecord, MAX_UNEXPLAINED, Record, RemedyRecord, SceneExplained};
 
 /// The page's file.
 pub const EXPLAIN_PAGE: &str = "explain.md";
 
 /// What is made of an explanation.
-pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
-    let page = record.explanation.iter().map(|found| (EXPLAIN_PAGE.to_owned(), page(record, found)));
-    Ok(Report { pages: page.collect(), ..Report::default() })
+pub(super) fn report(record: &Record) -> Option<Report> {
+    Some(Report::of_page(EXPLAIN_PAGE, page(record, record.explanation.as_ref()?)))
 }
 
 /// The page.
@@ -105,7 +104,6 @@ fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> Document {
         sheet = sheet.column(heading, move |set| set.wrong_by_remedy.get(place).copied());
     }
     sheet = sheet.column("right at first, wrong on a later step", |set| set.wrong_on_the_way);
-    let left_out =
-        scene.left_out.iter().map(|(step, reason)| Document::of(format!("`{step}` took nothing away here: {reason}")));
-    Document::default().scene(2, &scene.scene, "").paragraph(words).table(sheet.table(&scene.sets)).and(left_out)
+    let left_out = scene.left_out.iter().map(|(step, reason)| format!("`{step}` took nothing away here: {reason}"));
+    Document::default().scene(2, &scene.scene, "").paragraph(words).table(sheet.table(&scene.sets)).paragraphs(left_out)
 }

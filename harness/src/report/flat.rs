@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use itertools::Itertools as _;
 
 use super::html::called;
-use super::sheet::{Cell, Sheet};
+use super::sheet::{self, Cell, Sheet};
 use super::{ReportError, Study, group, read_run, tables};
 use crate::results::Row;
 
@@ -40,9 +40,5 @@ pub fn flat_table(paths: &[PathBuf], say: impl Fn(&str)) -> Result<Vec<u8>, Repo
         }));
     }
     rows.iter_mut().for_each(|row| row.resize(columns.len(), String::new()));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let written = std::iter::once(&columns).chain(&rows).try_for_each(|row| writer.write_record(row));
-    let whole = |()| writer.into_inner().map_err(|error| error.to_string());
-    let bytes = written.map_err(|error| error.to_string()).and_then(whole);
-    bytes.map_err(|reason| ReportError::NotMade { what: "the table of rows".to_owned(), reason })
+    sheet::csv("the table of rows", std::iter::once(columns).chain(rows))
 }

@@ -1,6 +1,7 @@
 //! Numbers and names as text.
 
-use tracebench_api::{ClockKind, Query, TraceTo};
+use serde::Serialize;
+use tracebench_api::{ClockKind, Query};
 
 use crate::results::Times;
 
@@ -114,13 +115,9 @@ pub(crate) fn clock_of(times: &Times) -> String {
     format!("{}{refused}{invalid}", clock(times.clock))
 }
 
-/// A clock's name as a table's value.
-pub(super) fn clock_code(clock: ClockKind) -> &'static str {
-    match clock {
-        ClockKind::Host => "host",
-        ClockKind::DeviceTimestamps => "device_timestamps",
-        ClockKind::SubmitToDone => "submit_to_done",
-    }
+/// What a name is called in `run.json`, and so in tables for programs.
+pub(super) fn code(name: impl Serialize) -> String {
+    serde_json::to_value(name).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// A query's name.
@@ -129,12 +126,6 @@ pub(crate) fn query(query: Query) -> &'static str {
         Query::Closest => "closest hit",
         Query::Any => "any hit",
     }
-}
-
-/// An end point's name.
-pub(super) fn trace_to(trace_to: TraceTo) -> String {
-    // The type may grow; its own serialised name is the one in run.json.
-    serde_json::to_value(trace_to).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// The first digits of a hash, enough to tell hashes apart by eye.
@@ -149,6 +140,23 @@ pub(super) fn commit(commit: &str, dirty: Option<bool>) -> String {
         Some(true) => format!("{short} + changes"),
         _ => short,
     }
+}
+
+/// Text that is nothing but text, in elements and in attributes of HTML and SVG.
+pub(super) fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            c if c.is_control() && c != '\n' => safe.push('\u{fffd}'),
+            c => safe.push(c),
+        }
+    }
+    safe
 }
 
 /// Text made safe for a file's name: letters, digits, `_` and `-`; everything else becomes `_`.

@@ -1,12 +1,17 @@
 //! Frames: `frames.md`, a row a frame in `frames.csv`, and charts over frames.
 
-use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
-use super::chart::{Drawing, scatter};
+use std::collections::BTreeSet;
+
+use itertools::Itertools as _;
+
+use super::chart::series::{Errors, Series, SeriesChart, SeriesPanel, errors, series};
 use super::document::{Document, Of};
 use super::format::{self, significant};
+use super::group::gathered;
 use super::markdown::literal;
+use super::metrics::{BUILD_PEAK, FIRST_BUILD, STRUCTURE};
 use super::sheet::{Cell, Sheet, Table};
-use super::{Report, ReportError, Tables, summary};
+use super::{Report, summary};
 use crate::registry;
 use crate::results::{FrameRow, FrameSeries, FramesRecord, ImageRow, ROUNDED_ORACLE, Record, Rule, WaveRow, WorkRow};
 use crate::statistics::{median, percentile, rank_correlation};
@@ -29,7 +34,12 @@ pub(in crate::report) struct Shown<'a> {
 }
 
 /// A frame of it.
-struct ShownFrame<'a>(Shown<'a>, usize);
+struct ShownFrame<'a> {
+    shown: Shown<'a>,
+    number: u64,
+    row: &'a FrameRow,
+    work: Option<&'a WorkRow>,
+}
 
 impl<'a> Shown<'a> {
     fn rows(&self) -> impl Iterator<Item = (&'a FrameRow, &'a WorkRow)> {
@@ -55,20 +65,13 @@ impl<'a> Shown<'a> {
     }
 
     /// The share of pairs of surface points that turned.
-    pub(in crate::report) fn turned(&self) -> Option<f64> {
+    fn turned(&self) -> Option<f64> {
         share(self.series.frames.iter().filter_map(|row| row.turned))
     }
 
-    pub(in crate::report) fn flip(&self) -> Vec<f64> {
-        self.images().filter_map(|image| image.flip).collect()
-    }
-
-    pub(in crate::report) fn psnr(&self) -> Vec<f64> {
-        self.images().filter_map(|image| image.psnr_db).collect()
-    }
-
-    pub(in crate::report) fn flicker(&self) -> Vec<f64> {
-        self.images().filter_map(|image| image.flicker).collect()
+    /// A figure of images.
+    pub(in crate::report) fn of_images(&self, of: fn(&ImageRow) -> Option<f64>) -> Vec<f64> {
+        self.images().filter_map(of).collect()
     }
 }
 
@@ -98,24 +101,20 @@ pub(in crate::report) fn shown<'a>(section: &'a FramesRecord, scene: usize, work
 }
 
 /// What is made of frames.
-pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
-    let Some(section) = &record.frames else { return Ok(Report::default()) };
+pub(super) fn report(record: &Record) -> Option<Report> {
+    let section = record.frames.as_ref()?;
     let page = Report::of_page(FRAMES_PAGE, page(record, section));
-    Ok(Report { tables: vec![(FRAMES_TABLE.to_owned(), every_frame(section))], ..page })
+    Some(Report { tables: vec![(FRAMES_TABLE.to_owned(), every_frame(section))], ..page })
 }
 
 fn page(record: &Record, section: &FramesRecord) -> Document {
     let FramesRecord { frames, fps, size: [width, height], spp, moves, update, paths, .. } = section;
-    let what = match section.effects {
-        true => format!(
+    let what = match (section.fixed_rays, section.effects) {
+        (true, _) => "Every frame has the world rays of the first, judged from its eye.".to_owned(),
+        (false, true) => format!(
             "Effects are rendered at {width}x{height} with {spp} samples a pixel; paths go on from {paths} hits."
         ),
-        false => "Ray sets are traced anew in every frame.".to_owned(),
-    };
-    let what = if section.fixed_rays {
-        "Every frame has the world rays of the first, judged from its eye.".to_owned()
-    } else {
-        what
+        (false, false) => "Ray sets are traced anew in every frame.".to_owned(),
     };
     let cut = section.cut.map_or_else(String::new, |cut| format!(" The camera jumps in frame {cut}."));
     let page = summary::head(record, "Frames of moving scenes").paragraph(format!(
@@ -131,8 +130,8 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
             literal(&scene.path),
             format::thousands(scene.points)
         ));
-        let notes = scene.notes.iter().map(|note| Document::of(literal(note)));
-        head.and(notes).and(section.works.iter().map(|work| of_work(record, section, place, work)))
+        let notes = scene.notes.iter().map(|note| literal(note));
+        head.paragraphs(notes).and(section.works.iter().map(|work| of_work(record, section, place, work)))
     });
     page.and(scenes).and(ranked(section)).and(summary::skipped(&record.skipped))
 }
@@ -164,28 +163,25 @@ fn of_work(record: &Record, section: &FramesRecord, scene: usize, work: &str) ->
         tracers.iter().filter_map(place).collect::<Vec<_>>()
     };
     let turned = ("turned (share)", points(&|shown| shown.turned().into_iter().collect()));
-    let of_images = [("FLIP", points(&|shown| shown.flip())), ("flicker of images", points(&|shown| shown.flicker()))];
-    let errors: Vec<scatter::Errors<'_>> =
-        of_images.into_iter().filter(|(_, points)| !points.is_empty()).chain([turned]).collect();
+    let flip = ("FLIP", points(&|shown| shown.of_images(|image| image.flip)));
+    let flicker = ("flicker of images", points(&|shown| shown.of_images(|image| image.flicker)));
+    let of_images = [flip, flicker].into_iter().filter(|(_, points)| !points.is_empty());
+    let all: Vec<Errors<'_>> = of_images.chain([turned]).collect();
     let titles = [
         format!("Frame time against errors: {work} in {name}"),
         "Medians of the frames; what is left and low is better".to_owned(),
     ];
-    let chart = scatter::chart(record, titles, "frame time (ms)", &errors);
-    page.chart(
-        format!("{stem}_front"),
-        format!("Frame time against errors of {work} in {name}"),
-        Drawing::Panels(chart),
-    )
+    let alt = format!("Frame time against errors of {work} in {name}");
+    page.chart(format!("{stem}_front"), alt, errors(record, titles, "frame time (ms)", &all))
 }
 
 /// How an error that is seen is told of a series: its name, itself, and whether more of it is worse.
 type Seen = (&'static str, fn(&Shown<'_>) -> Option<f64>);
 
 const SEEN: [Seen; 4] = [
-    ("FLIP", |shown| some_median(&shown.flip())),
-    ("PSNR", |shown| some_median(&shown.psnr()).map(|psnr| -psnr)),
-    ("flicker of images", |shown| some_median(&shown.flicker())),
+    ("FLIP", |shown| some_median(&shown.of_images(|image| image.flip))),
+    ("PSNR", |shown| some_median(&shown.of_images(|image| image.psnr_db)).map(|psnr| -psnr)),
+    ("flicker of images", |shown| some_median(&shown.of_images(|image| image.flicker))),
     ("flicker of answers", |shown| shown.turned()),
 ];
 
@@ -234,9 +230,7 @@ fn ranked(section: &FramesRecord) -> Document {
         .column("rank correlation, median ↑", |ranking| Cell::number(median(&ranking.correlations), 2))
         .column("least", |ranking| Cell::number(ranking.correlations.iter().copied().reduce(f64::min), 2))
         .column("greatest", |ranking| Cell::number(ranking.correlations.iter().copied().reduce(f64::max), 2))
-        .column("each", |ranking| {
-            ranking.correlations.iter().map(|one| significant(*one, 2)).collect::<Vec<_>>().join(", ")
-        });
+        .column("each", |ranking| ranking.correlations.iter().map(|one| significant(*one, 2)).join(", "));
     let rankings = rankings(section);
     if rankings.is_empty() {
         return Document::default();
@@ -255,8 +249,7 @@ fn overall(all: &[Shown<'_>]) -> Table {
     let right = |first: bool| {
         move |shown: &Shown<'_>| {
             let shares: Option<Vec<f64>> = (0..3).map(|rule| shown.right(rule, first)).collect();
-            shares
-                .map(|shares| shares.iter().map(|share| significant(100.0 * share, 4)).collect::<Vec<_>>().join(" / "))
+            shares.map(|shares| shares.iter().map(|share| significant(100.0 * share, 4)).join(" / "))
         }
     };
     let waves = all.iter().flat_map(|shown| shown.rows()).map(|(_, work)| work.waves.len()).max().unwrap_or(0);
@@ -267,7 +260,7 @@ fn overall(all: &[Shown<'_>]) -> Table {
         .column("clock", |shown| shown.series.clock.map_or("", format::clock).to_owned())
         .column("frame (ms) ↓", |shown| spread(&shown.ms(), 3))
         .column("jitter ↓", |shown| Cell::number(jitter(&shown.ms()), 3))
-        .column(super::metrics::FIRST_BUILD.heading(), |shown| {
+        .column(FIRST_BUILD.heading(), |shown| {
             Cell::number(shown.series.frames.first().and_then(|row| row.update_ms), 3)
         })
         .column("structure, begin / end / most, peak of builds (MiB) ↓", |shown| bytes(shown.series))
@@ -277,14 +270,14 @@ fn overall(all: &[Shown<'_>]) -> Table {
     }
     if all.iter().any(|shown| shown.images().next().is_some()) {
         sheet = sheet
-            .column("MSE ↓", |shown| spread(&shown.images().map(|image| image.mse).collect::<Vec<_>>(), 3))
+            .column("MSE ↓", |shown| spread(&shown.of_images(|image| Some(image.mse)), 3))
             .column("PSNR (dB), median ↑", |shown| {
-                Cell::number((!shown.psnr().is_empty()).then(|| median(&shown.psnr())), 4)
+                Cell::number(some_median(&shown.of_images(|image| image.psnr_db)), 4)
             })
             .column("SSIM, least ↑", |shown| Cell::number(shown.images().map(|image| image.ssim).reduce(f64::min), 5))
-            .column("FLIP ↓", |shown| spread(&shown.flip(), 3))
+            .column("FLIP ↓", |shown| spread(&shown.of_images(|image| image.flip), 3))
             .column("pixels beyond 1/255 ↓", move |shown| beyond(shown, floor))
-            .column("flicker of images ↓", |shown| spread(&shown.flicker(), 3));
+            .column("flicker of images ↓", |shown| spread(&shown.of_images(|image| image.flicker), 3));
     }
     if all.iter().any(|shown| !shown.series.changing.is_empty()) {
         sheet =
@@ -302,32 +295,20 @@ fn beyond(shown: &Shown<'_>, floor: Option<Shown<'_>>) -> Cell {
     let [width, height] = shown.section.size;
     let allowed = |floor: &ImageRow| 2.0 * floor.beyond as f64 + 2e-4 * f64::from(width) * f64::from(height);
     let pairs = floor.iter().flat_map(|floor| shown.images().zip(floor.images()));
-    let mut waves: Vec<&str> = pairs
-        .filter(|(image, floor)| is_exact && image.beyond as f64 > allowed(floor))
-        .flat_map(|(image, _)| image.beyond_by_wave.keys().map(String::as_str))
-        .collect();
-    waves.sort_unstable();
-    waves.dedup();
+    let beyond = pairs.filter(|(image, floor)| is_exact && image.beyond as f64 > allowed(floor));
+    let waves: BTreeSet<&String> = beyond.flat_map(|(image, _)| image.beyond_by_wave.keys()).collect();
     let count = format::thousands(most);
-    if waves.is_empty() { count.into() } else { format!("{count}, **beyond rounding**: {}", waves.join(", ")).into() }
+    let marked = || format!("{count}, **beyond rounding**: {}", waves.iter().join(", "));
+    if waves.is_empty() { count.as_str().into() } else { marked().into() }
 }
 
 /// How often a structure was brought up to date in which way, and by what it was stale.
 fn updates(series: &FrameSeries) -> String {
-    let mut counts: Vec<(&str, usize)> = Vec::new();
-    for row in series.frames.iter().filter(|row| !row.update.is_empty()) {
-        match counts.iter_mut().find(|(update, _)| *update == row.update) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((&row.update, 1)),
-        }
-    }
-    let mut told: Vec<String> = counts.into_iter().map(|(update, count)| format!("{count} {update}")).collect();
-    let stale: std::collections::BTreeSet<&String> = series.frames.iter().flat_map(|row| &row.stale_by).collect();
-    if !stale.is_empty() {
-        let moved = stale.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
-        told.push(format!("**stale**: moved {}", literal(&moved)));
-    }
-    told.join("; ")
+    let updates = series.frames.iter().map(|row| (&row.update, ())).filter(|(update, ())| !update.is_empty());
+    let told = gathered(updates).into_iter().map(|(update, times)| format!("{} {update}", times.len()));
+    let stale: BTreeSet<&String> = series.frames.iter().flat_map(|row| &row.stale_by).collect();
+    let moved = (!stale.is_empty()).then(|| format!("**stale**: moved {}", literal(&stale.iter().join(", "))));
+    told.chain(moved).join("; ")
 }
 
 fn bytes(series: &FrameSeries) -> Cell {
@@ -346,7 +327,7 @@ fn last(tracers: &[Shown<'_>]) -> Table {
     let wave = |shown: &Shown<'_>| shown.rows().last().and_then(|(_, work)| work.waves.first().cloned());
     let counts = move |shown: &Shown<'_>| {
         let answers = wave(shown)?.answers?;
-        Some(answers.counters.iter().map(|(name, total)| format!("{name} {total}")).collect::<Vec<_>>().join(", "))
+        Some(answers.counters.iter().map(|(name, total)| format!("{name} {total}")).join(", "))
     };
     let sheet = Sheet::<Shown<'_>>::new()
         .column("tracer", |shown| shown.series.tracer.label())
@@ -394,61 +375,61 @@ fn over_frames(section: &FramesRecord, scene: &str, work: &str, tracers: &[Shown
     SeriesChart { stem, title, subtitle: "The first frame builds".to_owned(), key: None, panels }
 }
 
+impl ShownFrame<'_> {
+    fn image(&self, of: fn(&ImageRow) -> Option<f64>) -> Option<f64> {
+        of(self.work?.image.as_ref()?)
+    }
+
+    fn first_wave(&self, of: fn(&WaveRow) -> u64) -> Option<u64> {
+        self.work?.waves.first().map(of)
+    }
+
+    fn all_waves(&self, of: fn(&WaveRow) -> u64) -> u64 {
+        self.work.map_or(0, |work| work.waves.iter().map(of).sum())
+    }
+}
+
 /// Every frame of every series.
 fn every_frame(section: &FramesRecord) -> Table {
     let all = (0..section.scenes.len())
         .flat_map(|scene| section.works.iter().flat_map(move |work| shown(section, scene, work)));
-    let rows: Vec<ShownFrame<'_>> =
-        all.flat_map(|shown| (0..shown.series.frames.len()).map(move |frame| ShownFrame(shown, frame))).collect();
-    fn row<'a>(frame: &ShownFrame<'a>) -> &'a FrameRow {
-        &frame.0.series.frames[frame.1]
-    }
-    fn work<'a>(frame: &ShownFrame<'a>) -> Option<&'a WorkRow> {
-        row(frame).works.get(frame.0.work)
-    }
-    fn image(frame: &ShownFrame<'_>, of: fn(&ImageRow) -> Option<f64>) -> Option<f64> {
-        work(frame)?.image.as_ref().and_then(of)
-    }
-    fn all_waves(frame: &ShownFrame<'_>, of: fn(&WaveRow) -> u64) -> u64 {
-        work(frame).map_or(0, |work| work.waves.iter().map(of).sum())
-    }
-    let first = |frame: &ShownFrame<'_>, of: fn(&WaveRow) -> u64| work(frame)?.waves.first().map(of);
+    let rows = all.flat_map(|shown| {
+        let frames = (0..).zip(&shown.series.frames);
+        frames.map(move |(number, row)| ShownFrame { shown, number, row, work: row.works.get(shown.work) })
+    });
+    let by_wave = |work: &WorkRow| {
+        let told = |wave: &WaveRow| Some(format!("{}={}", wave.name, wave.trace_ms?));
+        work.waves.iter().filter_map(told).join(" ")
+    };
     let sheet = Sheet::<ShownFrame<'_>>::new()
-        .csv_column("scene", |frame| frame.0.section.scenes[frame.0.series.scene as usize].scene.name.clone())
-        .csv_column("work", |frame| frame.0.work.to_owned())
-        .csv_column("tracer", |frame| frame.0.series.tracer.label())
-        .csv_column("frame", |frame| frame.1 as u64)
-        .csv_column("update", |frame| row(frame).update.clone())
-        .csv_column("stale_by", |frame| row(frame).stale_by.join(" "))
-        .csv_column("update_ms", |frame| row(frame).update_ms)
-        .csv_column("grown", |frame| u64::from(row(frame).grown))
-        .csv_column("trace_ms", |frame| {
-            let waves = &work(frame)?.waves;
-            waves.iter().map(|wave| wave.trace_ms).sum::<Option<f64>>()
-        })
-        .csv_column("trace_ms_by_wave", |frame| {
-            let told = |wave: &WaveRow| Some(format!("{}={}", wave.name, wave.trace_ms?));
-            work(frame)
-                .map_or_else(String::new, |work| work.waves.iter().filter_map(told).collect::<Vec<_>>().join(" "))
-        })
-        .csv_column(super::metrics::STRUCTURE.name, |frame| row(frame).structure_bytes)
-        .csv_column(super::metrics::BUILD_PEAK.name, |frame| row(frame).build_peak_bytes)
-        .csv_column("sah_cost", |frame| row(frame).sah_cost)
-        .csv_column("judged_first_wave", move |frame| first(frame, |wave| wave.judged))
-        .csv_column("hit_miss_first_wave", move |frame| first(frame, |wave| wave.right[0]))
-        .csv_column("tight_first_wave", move |frame| first(frame, |wave| wave.right[1]))
-        .csv_column("footprint_first_wave", move |frame| first(frame, |wave| wave.right[2]))
-        .csv_column("judged", |frame| all_waves(frame, |wave| wave.judged))
-        .csv_column("hit_miss", |frame| all_waves(frame, |wave| wave.right[0]))
-        .csv_column("tight", |frame| all_waves(frame, |wave| wave.right[1]))
-        .csv_column("footprint", |frame| all_waves(frame, |wave| wave.right[2]))
-        .csv_column("pairs", |frame| row(frame).turned.map(|[pairs, _]| pairs))
-        .csv_column("turned", |frame| row(frame).turned.map(|[_, turned]| turned))
-        .csv_column("mse", |frame| image(frame, |image| Some(image.mse)))
-        .csv_column("psnr_db", |frame| image(frame, |image| image.psnr_db))
-        .csv_column("ssim", |frame| image(frame, |image| Some(image.ssim)))
-        .csv_column("flip", |frame| image(frame, |image| image.flip))
-        .csv_column("pixels_beyond", |frame| work(frame)?.image.as_ref().map(|image| image.beyond))
-        .csv_column("flicker", |frame| image(frame, |image| image.flicker));
-    sheet.table(&rows)
+        .csv_column("scene", |frame| section.scenes[frame.shown.series.scene as usize].scene.name.clone())
+        .csv_column("work", |frame| frame.shown.work.to_owned())
+        .csv_column("tracer", |frame| frame.shown.series.tracer.label())
+        .csv_column("frame", |frame| frame.number)
+        .csv_column("update", |frame| frame.row.update.clone())
+        .csv_column("stale_by", |frame| frame.row.stale_by.join(" "))
+        .csv_column("update_ms", |frame| frame.row.update_ms)
+        .csv_column("grown", |frame| u64::from(frame.row.grown))
+        .csv_column("trace_ms", |frame| frame.work?.waves.iter().map(|wave| wave.trace_ms).sum::<Option<f64>>())
+        .csv_column("trace_ms_by_wave", move |frame| frame.work.map(by_wave).unwrap_or_default())
+        .csv_column(STRUCTURE.name, |frame| frame.row.structure_bytes)
+        .csv_column(BUILD_PEAK.name, |frame| frame.row.build_peak_bytes)
+        .csv_column("sah_cost", |frame| frame.row.sah_cost)
+        .csv_column("judged_first_wave", |frame| frame.first_wave(|wave| wave.judged))
+        .csv_column("hit_miss_first_wave", |frame| frame.first_wave(|wave| wave.right[0]))
+        .csv_column("tight_first_wave", |frame| frame.first_wave(|wave| wave.right[1]))
+        .csv_column("footprint_first_wave", |frame| frame.first_wave(|wave| wave.right[2]))
+        .csv_column("judged", |frame| frame.all_waves(|wave| wave.judged))
+        .csv_column("hit_miss", |frame| frame.all_waves(|wave| wave.right[0]))
+        .csv_column("tight", |frame| frame.all_waves(|wave| wave.right[1]))
+        .csv_column("footprint", |frame| frame.all_waves(|wave| wave.right[2]))
+        .csv_column("pairs", |frame| frame.row.turned.map(|[pairs, _]| pairs))
+        .csv_column("turned", |frame| frame.row.turned.map(|[_, turned]| turned))
+        .csv_column("mse", |frame| frame.image(|image| Some(image.mse)))
+        .csv_column("psnr_db", |frame| frame.image(|image| image.psnr_db))
+        .csv_column("ssim", |frame| frame.image(|image| Some(image.ssim)))
+        .csv_column("flip", |frame| frame.image(|image| image.flip))
+        .csv_column("pixels_beyond", |frame| Some(frame.work?.image.as_ref()?.beyond))
+        .csv_column("flicker", |frame| frame.image(|image| image.flicker));
+    sheet.table(&rows.collect_vec())
 }

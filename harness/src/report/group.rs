@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use tracebench_api::Query;
+use tracebench_api::{Query, named};
 
 use super::document::{Document, set_heading};
 use super::format;
@@ -38,22 +38,14 @@ pub(super) struct RaySet<'a> {
     sha256: &'a str,
 }
 
-/// Whether a row is a control's or a configuration's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
-    /// Its score is known beforehand.
-    Control,
-    /// What is measured.
-    Tracer,
-}
-
-impl Role {
-    /// The name used in tables.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Control => "control",
-            Self::Tracer => "tracer",
-        }
+named! {
+    /// Whether a row is a control's or a configuration's.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum Role {
+        /// Its score is known beforehand.
+        Control = "control",
+        /// What is measured.
+        Tracer = "tracer",
     }
 }
 
@@ -106,6 +98,18 @@ impl RaySet<'_> {
     pub(super) fn paired(&self, record: &Record, one: &Row, other: &Row) -> Option<Paired> {
         Some(record.paired(&Timed::trace(one, self.trace_of(one)?), &Timed::trace(other, self.trace_of(other)?)))
     }
+}
+
+/// Values by their keys, both in the order of first appearance.
+pub(super) fn gathered<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut all: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in pairs {
+        match all.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => all.push((key, vec![value])),
+        }
+    }
+    all
 }
 
 /// Sorts a run into groups, in order of first appearance.

@@ -62,32 +62,26 @@ impl Metric {
         Self { label, ..self }
     }
 
-    fn cell(&self, (row, trace): Traced<'_>) -> Option<Cell> {
+    fn cell(&self, row: Option<&Row>, trace: Option<&TraceRecord>) -> Option<Cell> {
         match self.source {
-            Source::Structure(of) => of(row),
-            Source::Trace(of) => of(trace),
+            Source::Structure(of) => of(row?),
+            Source::Trace(of) => of(trace?),
         }
     }
 
     /// Its value as a column.
     pub(crate) fn column<'a, R>(self, of: impl Fn(&R) -> Option<Traced<'_>> + 'a) -> Column<'a, R> {
-        self.shown(move |row| of(row).and_then(|traced| self.cell(traced)))
+        self.shown(move |row| of(row).and_then(|(row, trace)| self.cell(Some(row), Some(trace))))
     }
 
     /// As a column of structures.
     pub(crate) fn of_structure<'a, R>(self, of: impl Fn(&R) -> Option<&Row> + 'a) -> Column<'a, R> {
-        self.shown(move |row| match self.source {
-            Source::Structure(cell) => cell(of(row)?),
-            Source::Trace(_) => None,
-        })
+        self.shown(move |row| self.cell(of(row), None))
     }
 
     /// As a column of traces.
     pub(crate) fn of_trace<'a, R>(self, of: impl Fn(&R) -> Option<&TraceRecord> + 'a) -> Column<'a, R> {
-        self.shown(move |row| match self.source {
-            Source::Structure(_) => None,
-            Source::Trace(cell) => cell(of(row)?),
-        })
+        self.shown(move |row| self.cell(None, of(row)))
     }
 
     /// As a column of whatever tells it.
@@ -165,10 +159,7 @@ pub(crate) fn judged(trace: &TraceRecord) -> bool {
 
 /// The verdict, if it is one on a closest-hit set.
 pub(super) fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
-    match &trace.judgement {
-        Judgement::Closest(judgement) => Some(judgement),
-        Judgement::Any(_) => None,
-    }
+    if let Judgement::Closest(judgement) = &trace.judgement { Some(judgement) } else { None }
 }
 
 /// How far told hits are from the mesh; of any-hit sets, and of records from before it was told, nothing.
@@ -178,10 +169,7 @@ pub(super) fn distance(trace: &TraceRecord) -> Option<&SurfaceDistance> {
 
 /// The verdict, if it is one on an any-hit set.
 pub(super) fn any(trace: &TraceRecord) -> Option<&AnyJudgement> {
-    match &trace.judgement {
-        Judgement::Any(judgement) => Some(judgement),
-        Judgement::Closest(_) => None,
-    }
+    if let Judgement::Any(judgement) = &trace.judgement { Some(judgement) } else { None }
 }
 
 /// What stands beside agreements that ambiguous rays are in.

@@ -9,7 +9,6 @@ mod calibration;
 pub(crate) mod cells;
 pub(crate) mod chart;
 mod check;
-pub(crate) mod columns;
 mod compare;
 mod distances;
 pub(crate) mod document;
@@ -23,7 +22,6 @@ mod frames;
 pub(crate) mod group;
 mod html;
 pub(crate) mod kept;
-mod launch;
 pub(crate) mod markdown;
 pub(crate) mod metrics;
 mod need;
@@ -158,26 +156,26 @@ pub(crate) struct Study {
     stems: &'static [&'static str],
     /// Whether a record is of it.
     is_of: fn(&Record) -> bool,
-    /// What is made of such a record.
-    report: Maker,
+    /// What is made of such a record; of rows that are of no further study what [`of_run`] makes.
+    report: Option<Maker>,
 }
 
-/// Makes what derives from a record.
-type Maker = fn(&Record, Tables) -> Result<Report, ReportError>;
+/// Makes what derives from a record of a study.
+type Maker = fn(&Record) -> Option<Report>;
 
 /// Every study, a line each. The first that a record is of makes what derives from it.
 const STUDIES: &[Study] = &[
-    study("sweep", Section::Study, &[tune::STEM], |record| record.tuning.is_some(), tune::report),
-    study("stability", Section::Matrix, &[], |record| record.cases.is_some(), stability::report),
-    study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), pareto::report),
-    study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), need::report),
-    study("frames", Section::Study, &[frames::STEM], |record| record.frames.is_some(), frames::report),
-    study("attack", Section::Study, &[], |record| record.attack.is_some(), attack::report),
-    study("explain", Section::Study, &[], |record| record.explanation.is_some(), explain::report),
-    study("judge", Section::Run, &chart::STEMS, |record| record.judged.is_some(), of_run),
-    study("sweep", Section::Study, &chart::STEMS, |record| record.sweep.is_some(), of_run),
-    study("table", Section::Table, &chart::STEMS, |record| record.table.is_some(), of_run),
-    study("run", Section::Run, &chart::STEMS, |_| true, of_run),
+    study("sweep", Section::Study, &[tune::STEM], |record| record.tuning.is_some(), Some(tune::report)),
+    study("stability", Section::Matrix, &[], |record| record.cases.is_some(), Some(stability::report)),
+    study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), Some(pareto::report)),
+    study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), Some(need::report)),
+    study("frames", Section::Study, &[frames::STEM], |record| record.frames.is_some(), Some(frames::report)),
+    study("attack", Section::Study, &[], |record| record.attack.is_some(), Some(attack::report)),
+    study("explain", Section::Study, &[], |record| record.explanation.is_some(), Some(explain::report)),
+    study("judge", Section::Run, &chart::STEMS, |record| record.judged.is_some(), None),
+    study("sweep", Section::Study, &chart::STEMS, |record| record.sweep.is_some(), None),
+    study("table", Section::Table, &chart::STEMS, |record| record.table.is_some(), None),
+    study("run", Section::Run, &chart::STEMS, |_| true, None),
 ];
 
 const fn study(
@@ -185,7 +183,7 @@ const fn study(
     section: Section,
     stems: &'static [&'static str],
     is_of: fn(&Record) -> bool,
-    report: Maker,
+    report: Option<Maker>,
 ) -> Study {
     Study { verb, section, stems, is_of, report }
 }
@@ -198,7 +196,10 @@ impl Study {
 
     /// What derives from its record.
     pub(crate) fn report(&self, record: &Record, tables: Tables) -> Result<Report, ReportError> {
-        (self.report)(record, tables)
+        match self.report {
+            Some(report) => Ok(report(record).unwrap_or_default()),
+            None => of_run(record, tables),
+        }
     }
 }
 
@@ -255,10 +256,8 @@ pub fn take_pictures(record: &Record, from: &[PathBuf], folder: &OutputFolder) -
 /// # Errors
 /// If a file cannot be written, or a chart cannot be drawn.
 pub fn write_derived(record: &Record, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    let record = &*record.aligned();
-    let study = Study::of(record);
-    let contents = study.report(record, tables)?.contents()?;
-    let paths = write_all(&contents, folder)?;
+    let contents = contents(record, tables)?;
+    let (study, paths) = (Study::of(record), write_all(&contents, folder)?);
     // Charts of scenes that only an older run in the same folder had would pass for this one's.
     for name in folder.listed().iter().filter(|name| contents.iter().all(|(written, _)| written != *name)) {
         let is_picture = [".svg", ".png"].iter().any(|ending| name.ends_with(ending));

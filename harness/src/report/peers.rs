@@ -6,13 +6,12 @@ use super::beside::{self, Place};
 use super::document::Document;
 use super::format::significant;
 use super::group::{Group, RaySet, groups};
-use super::launch::{by_default, default_launch, same_hits};
 use super::metrics::{BUILD_RATE, STRUCTURE};
 use super::sheet::{self, Cell, Column, Sheet};
 use super::tables::Placed;
 use super::{Report, cells, metrics, rows, summary};
 use crate::peers::{Rows, Table};
-use crate::results::{LaunchSettings, Record, Row, Times, host_ms};
+use crate::results::{LaunchSettings, Record, Row, Times, TraceRecord, host_ms};
 
 /// Statistics of structures that have columns of their own on pages, by their names in `validate`.
 const STATISTICS: [(&str, &str); 3] = [("references", "references"), ("nodes", "nodes"), ("sah_cost", "SAH cost ↓")];
@@ -74,6 +73,37 @@ fn over(table: &Table, record: &Record, place: usize, (group, set, (_, row, trac
             set.paired(record, reference, row).and_then(|found| found.ratio).into()
         }
     }
+}
+
+/// The row of the same tracer by the means that all take where nothing is set.
+fn by_default<'a>(record: &Record, group: &Group<'a>, of: &Row) -> Option<&'a Row> {
+    let default = &record.provenance.launch.as_ref()?.launch;
+    let is_default = |row: &&Row| row.tracer.name == of.tracer.name && row.tracer.launch().as_ref() == Some(default);
+    group.configs.iter().copied().find(is_default)
+}
+
+/// What the table is of, and what is taken where nothing is set.
+fn default_launch(record: &Record) -> String {
+    let text = "`memory_access` is what a search reads the structure from, `rays_per_lane` how many rays a lane answers one after the other; both are \
+                the same choice for every tracer. × default is how many times as fast a row is as the same tracer by the means that are taken \
+                here where nothing is set.";
+    let Some(taken) = &record.provenance.launch else { return text.to_owned() };
+    let told = taken.probe.as_ref().map(|probe| {
+        let (texture, many) = (probe.texture_gain(), probe.many_rays_gain());
+        let [texture, many] = [texture, many].map(|gain| significant(gain, 3));
+        format!(
+            ": in the probe textures were {texture} times as fast as buffers, {} rays a lane {many} times as one",
+            probe.many_rays
+        )
+    });
+    format!("{text} Default: {}{}.", taken.launch, told.unwrap_or_else(|| ", as given".to_owned()))
+}
+
+/// Whether a row answers as the first of its tracer does.
+fn same_hits(group: &Group<'_>, set: &RaySet<'_>, row: &Row, trace: &TraceRecord) -> Cell {
+    let of_tracer = |other: &&&Row| other.tracer.name == row.tracer.name;
+    let first = group.configs.iter().filter(of_tracer).find_map(|other| set.trace_of(other));
+    if first.is_none_or(|first| first.hits_sha256 == trace.hits_sha256) { "the same" } else { "OTHERS" }.into()
 }
 
 fn page(table: &Table, record: &Record, groups: &[Group<'_>]) -> Document {

@@ -20,7 +20,7 @@ pub(crate) enum Cell {
     /// A name that users give, in which nothing is markup.
     Name(String),
     /// Words for programs, and for people.
-    Named(&'static str, String),
+    Named(String, String),
     /// Yes or no.
     Flag(bool),
     /// So many.
@@ -56,14 +56,6 @@ impl Cell {
     /// The number, if it is one: of a number with an interval itself, of percentiles the median.
     pub(crate) fn value(&self) -> Option<f64> {
         match self {
-            Self::None
-            | Self::Absent
-            | Self::Text(_)
-            | Self::Name(_)
-            | Self::Named(..)
-            | Self::Flag(_)
-            | Self::Shares(..)
-            | Self::Parts(_) => None,
             Self::Count(count) => Some(*count as f64),
             Self::Bytes(value)
             | Self::Statistic(value)
@@ -73,6 +65,7 @@ impl Cell {
             | Self::Percent(value, _) => Some(*value),
             Self::Accuracy(accuracy) => accuracy.share,
             Self::Percentiles(percentiles) => percentiles.p50,
+            _ => None,
         }
     }
 
@@ -89,7 +82,7 @@ impl Cell {
             Self::None | Self::Absent => Vec::new(),
             Self::Text(text) | Self::Name(text) => one(text.clone()),
             Self::Parts(_) => one(self.describe()),
-            Self::Named(code, _) => one((*code).to_owned()),
+            Self::Named(code, _) => one(code.clone()),
             Self::Flag(flag) => one(flag.to_string()),
             Self::Count(count) => one(count.to_string()),
             Self::Bytes(value) | Self::Statistic(value) | Self::Number(value, _) => one(number(Some(*value))),
@@ -114,19 +107,15 @@ impl Cell {
             Self::Measured(value, interval, digits) => with_interval(*value, interval.unwrap_or([*value; 2]), *digits),
             Self::Share(share, interval, trials) => percent_with_interval(*share, *interval, *trials),
             Self::Percent(value, interval) => with_interval(value * 100.0, interval.map(|end| end * 100.0), 3),
-            Self::Accuracy(Accuracy { one_sided: Some(why), wrong, trials, .. }) => {
-                format!("{why}; {} wrong of {}", thousands(*wrong), thousands(*trials))
+            Self::Accuracy(Accuracy { share: None, one_sided: None, .. }) => "every ray is ambiguous".to_owned(),
+            Self::Accuracy(Accuracy { share, interval, wrong, trials, one_sided }) => {
+                let right = |share: &f64| percent_with_interval(*share, *interval, *trials);
+                let right = one_sided.map(str::to_owned).or(share.as_ref().map(right)).unwrap_or_default();
+                format!("{right}; {} wrong of {}", thousands(*wrong), thousands(*trials))
             }
-            Self::Accuracy(Accuracy { share, interval, wrong, trials, .. }) => share.map_or_else(
-                || "every ray is ambiguous".to_owned(),
-                |share| {
-                    let share = percent_with_interval(share, *interval, *trials);
-                    format!("{share}; {} wrong of {}", thousands(*wrong), thousands(*trials))
-                },
-            ),
             Self::Parts(parts) => {
                 let told = |(name, share, _): &(String, f64, String)| format!("{name} {:.1} %", share * 100.0);
-                parts.iter().map(told).collect::<Vec<_>>().join(", ")
+                parts.iter().map(told).join(", ")
             }
             Self::Shares(shares, trials) => {
                 let told = |share: Option<f64>| share.map_or_else(|| NONE.to_owned(), |share| percent(share, *trials));
@@ -240,11 +229,6 @@ impl<'a, R> Sheet<'a, R> {
         self
     }
 
-    /// With what makes more of it.
-    pub(crate) fn then(self, more: impl FnOnce(Self) -> Self) -> Self {
-        more(self)
-    }
-
     /// With a column for programs.
     pub(crate) fn csv_column<C: Into<Cell>>(self, name: &str, cell: impl Fn(&R) -> C + 'a) -> Self {
         self.and(Column::csv(name, cell))
@@ -310,7 +294,6 @@ impl Table {
     /// # Errors
     /// If two columns have the same name.
     pub(crate) fn csv(&self, file: &str) -> Result<Vec<u8>, ReportError> {
-        let fail = |reason: String| ReportError::NotMade { what: file.to_owned(), reason };
         // A column has the parts of the cell that has most of them.
         let named = self.columns.iter().enumerate().filter_map(|(place, (name, _))| Some((place, name.as_ref()?)));
         let ends = |place: usize| -> Vec<&str> {
@@ -321,19 +304,16 @@ impl Table {
         let shown: Vec<(usize, &String, Vec<&str>)> = named.map(|(place, name)| (place, name, ends(place))).collect();
         let header = || shown.iter().flat_map(|(_, name, ends)| ends.iter().map(move |end| format!("{name}{end}")));
         if let Some(twice) = header().duplicates().next() {
-            return Err(fail(format!("two columns are called {twice}")));
+            let reason = format!("two columns are called {twice}");
+            return Err(ReportError::NotMade { what: file.to_owned(), reason });
         }
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(header()).map_err(|error| fail(error.to_string()))?;
-        for row in &self.rows {
-            let part =
-                |cell: &Cell, end: &str| cell.fields().into_iter().find(|(own, _)| *own == end).map(|(_, text)| text);
+        let part =
+            |cell: &Cell, end: &str| cell.fields().into_iter().find(|(own, _)| *own == end).map(|(_, text)| text);
+        let row = |row: &Vec<Cell>| -> Vec<String> {
             let fields = shown.iter().flat_map(|(place, _, ends)| ends.iter().map(|end| part(&row[*place], end)));
-            writer
-                .write_record(fields.map(Option::unwrap_or_default).collect::<Vec<_>>())
-                .map_err(|error| fail(error.to_string()))?;
-        }
-        writer.into_inner().map_err(|error| fail(error.to_string()))
+            fields.map(Option::unwrap_or_default).collect()
+        };
+        csv(file, std::iter::once(header().collect()).chain(self.rows.iter().map(row)))
     }
 
     /// In Markdown.
@@ -350,6 +330,16 @@ impl Table {
         text.extend(self.rows().map(|row| line(&mut row.map(told))));
         text
     }
+}
+
+/// Lines of CSV, for the file of a name.
+pub(super) fn csv(file: &str, mut lines: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, ReportError> {
+    let mut bytes = Vec::new();
+    let mut writer = csv::Writer::from_writer(&mut bytes);
+    let written = lines.try_for_each(|line| writer.write_record(line)).and_then(|()| Ok(writer.flush()?));
+    drop(writer);
+    written.map_err(|error| ReportError::NotMade { what: file.to_owned(), reason: error.to_string() })?;
+    Ok(bytes)
 }
 
 /// The shortest text that reads back as the same number; whole numbers without a point.

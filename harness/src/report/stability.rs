@@ -1,14 +1,13 @@
 //! The page of a run of cases: the matrix, its reasons, and what was measured.
 
-use std::fmt::Write as _;
-
-use super::chart::{self, Drawing};
+use super::Report;
+use super::chart::difficulty;
 use super::document::Document;
 use super::format;
+use super::group::gathered;
 use super::sheet::Sheet;
-use super::{Report, ReportError, Tables};
 use crate::cases;
-use crate::results::{DifficultyLevel, Provenance, Record};
+use crate::results::{CaseRecord, DifficultyLevel, ExpectationRecord, Provenance, Record, Skipped};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
 /// The file with the matrix.
@@ -30,34 +29,30 @@ fn document(stability: &Stability) -> Document {
         sheet = sheet.column(tracer, move |of| of.cells.get(place).map(|cell| cell.text.clone()));
     }
     let counts = if stability.counts { "" } else { "Parameters were changed: verdicts are shown but do not count." };
-    let skipped = stability.skipped.iter().map(|skipped| {
-        Document::of(format!("Skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all"), skipped.reason))
-    });
-    let invalid = stability.cases.iter().filter_map(|CaseMatrix { case, .. }| {
-        Some(Document::of(format!("**{}** is invalid: {}", case.name, case.invalid.as_ref()?)))
-    });
-    let reasons = reasons(stability).into_iter().map(|reason| Document::default().item(reason));
-    Document::default().table(sheet.table(&stability.cases)).paragraph(counts).and(skipped).and(invalid).and(reasons)
+    let skipped =
+        |skipped: &Skipped| format!("Skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all"), skipped.reason);
+    let invalid = |CaseMatrix { case, .. }: &CaseMatrix| {
+        Some(format!("**{}** is invalid: {}", case.name, case.invalid.as_ref()?))
+    };
+    Document::default()
+        .table(sheet.table(&stability.cases))
+        .paragraph(counts)
+        .paragraphs(stability.skipped.iter().map(skipped))
+        .paragraphs(stability.cases.iter().filter_map(invalid))
+        .items(reasons(stability))
 }
 
 /// Why tracers may be wrong where they may; the same words for several cases once.
 fn reasons(stability: &Stability) -> Vec<String> {
-    let mut said: Vec<(String, String, Vec<String>)> = Vec::new();
-    for CaseMatrix { case, cells } in &stability.cases {
-        for cell in cells.iter().filter(|cell| cell.verdict != Verdict::Unavailable) {
-            let Some(expectation) = cell.expectation.as_ref().filter(|each| !each.reason.is_empty()) else { continue };
-            let name = case.name.clone();
-            let mut reason = expectation.reason.clone();
-            if !expectation.source.is_empty() {
-                let _ = write!(reason, " ({})", expectation.source);
-            }
-            match said.iter_mut().find(|(tracer, known, _)| *tracer == cell.tracer && *known == reason) {
-                Some((_, _, cases)) => cases.push(name),
-                None => said.push((cell.tracer.clone(), reason, vec![name])),
-            }
-        }
-    }
-    said.into_iter().map(|(tracer, reason, cases)| format!("{tracer}, {}: {reason}.", cases.join("; "))).collect()
+    let told = |(case, cell): (&CaseRecord, &Cell)| {
+        let expectation = cell.expectation.as_ref().filter(|_| cell.verdict != Verdict::Unavailable)?;
+        let ExpectationRecord { reason, source, .. } = expectation;
+        let source = if source.is_empty() { String::new() } else { format!(" ({source})") };
+        (!reason.is_empty()).then(|| ((cell.tracer.clone(), format!("{reason}{source}")), case.name.clone()))
+    };
+    let cells = stability.cases.iter().flat_map(|of| of.cells.iter().map(move |cell| (&of.case, cell)));
+    let said = gathered(cells.filter_map(told)).into_iter();
+    said.map(|((tracer, reason), cases)| format!("{tracer}, {}: {reason}.", cases.join("; "))).collect()
 }
 
 /// A difficulty parameter's value: plain where that is short.
@@ -67,16 +62,15 @@ pub(super) fn difficulty_value(value: f64) -> String {
 }
 
 /// What is made of a run of cases: page and chart.
-pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
-    let Some(stability) = &Stability::of(record) else { return Ok(Report::default()) };
-    Ok(Report::of_page(STABILITY_TABLE, page(stability)))
+pub(super) fn report(record: &Record) -> Option<Report> {
+    Some(Report::of_page(STABILITY_TABLE, page(&Stability::of(record)?)))
 }
 
 fn page(stability: &Stability) -> Document {
     let Provenance { machine, commit, dirty, started, rules_version, .. } = &stability.provenance;
     let (commit, machine) = (format::commit(commit, *dirty), machine.label());
     let head = format!("{started}, commit {commit}, rules version {rules_version}. Machine: {machine}.");
-    let chart = Drawing::Panels(chart::difficulty::chart(stability));
+    let chart = difficulty::chart(stability);
     let head =
         Document::titled("Stability").paragraph(head).chart(CHART, "Wrong rays over the difficulty level", chart);
     head.and(document(stability)).and(stability.cases.iter().map(section))

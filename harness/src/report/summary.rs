@@ -7,8 +7,8 @@ use tracebench_api::{AdapterInfo, Query, Rasterizer};
 
 use super::beside::{self, Place};
 use super::calibration;
-use super::cells::{self, TableRow, coverage, label, touched};
-use super::chart::{self, Drawing};
+use super::cells::{TableRow, coverage, label, touched};
+use super::chart::{self, runs};
 use super::distances;
 use super::document::Document;
 use super::format::{self, mib, significant, statistic, thousands};
@@ -18,7 +18,7 @@ use super::metrics::{
     self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION,
     SELF_REPORTED, SPEED, STRUCTURE, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
 };
-use super::sheet::{Cell, Columns, Sheet, Table};
+use super::sheet::{Cell, Sheet, Table};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::judge::REFERENCE_PIXELS;
@@ -92,7 +92,7 @@ pub(super) fn notes(record: &Record) -> Document {
         )
     });
     let notes = stale.into_iter().chain(footprint(record)).chain(record.rows.iter().flat_map(of_row).unique());
-    Document::default().and(notes.map(|note| Document::default().item(note)))
+    Document::default().items(notes)
 }
 
 /// How wide pixels of frames and faces are, in those of the camera that `footprint` is of.
@@ -105,21 +105,18 @@ fn footprint(record: &Record) -> Option<String> {
         format!("at {width}x{height} a frame's is {of_frame} times as wide, at {face}x{face} a face's {of_face} times")
     };
     // Rays without an eye have no viewpoint.
-    let each =
-        record.rows.iter().filter(|row| row.viewpoint.frame != [0; 2]).map(of).unique().collect::<Vec<_>>().join("; ");
+    let each = record.rows.iter().filter(|row| row.viewpoint.frame != [0; 2]).map(of).unique().join("; ");
     (!each.is_empty()).then(|| format!("Footprint: one pixel of the reference camera; {each}."))
 }
 
 /// How long was sampled, and which interleaved sets decide nothing.
 fn clock(record: &Record) -> String {
-    let rounds = || record.interleaved_sets.iter().map(|interleaved_set| interleaved_set.orders.len());
+    let sets = &record.interleaved_sets;
+    let rounds = || sets.iter().map(|set| set.orders.len());
     let (fewest, most) = (rounds().min(), rounds().max());
-    let name = |interleaved_set: &InterleavedSetRecord| {
-        format!("{} of {}", interleaved_set.work, literal(&interleaved_set.scene))
-    };
-    let those = |what: &str, wanted: &dyn Fn(&InterleavedSetRecord) -> bool| {
-        let found: Vec<String> =
-            record.interleaved_sets.iter().filter(|interleaved_set| wanted(interleaved_set)).map(name).collect();
+    let those = |what: &str, wanted: fn(&InterleavedSetRecord) -> bool| {
+        let found = sets.iter().filter(|set| wanted(set));
+        let found: Vec<String> = found.map(|set| format!("{} of {}", set.work, literal(&set.scene))).collect();
         if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), counted(&found)) }
     };
     let times =
@@ -133,25 +130,19 @@ fn clock(record: &Record) -> String {
     let few = if fewest < MIN_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
     format!(
         "{} interleaved sets of {fewest} to {most} rounds{few}{}{}{invalid}",
-        record.interleaved_sets.len(),
-        those("intervals wider than wanted when the time was up", &|interleaved_set| interleaved_set.stop_reason
-            == StopReason::TimeLimit),
-        those("**drift**", &|interleaved_set| interleaved_set.drift),
+        sets.len(),
+        those("intervals wider than wanted when the time was up", |set| set.stop_reason == StopReason::TimeLimit),
+        those("**drift**", |set| set.drift),
     )
 }
 
 /// Each of some names once, in the order in which they come first, with how often those come that come again.
 fn counted(names: &[String]) -> String {
-    let mut once: Vec<(&str, usize)> = Vec::new();
-    for name in names {
-        match once.iter_mut().find(|(other, _)| other == name) {
-            Some((_, times)) => *times += 1,
-            None => once.push((name, 1)),
-        }
-    }
-    let each =
-        once.iter().map(|(name, times)| if *times > 1 { format!("{name} ({times})") } else { (*name).to_owned() });
-    each.collect::<Vec<_>>().join(", ")
+    let each = |name: &String| match names.iter().filter(|other| *other == name).count() {
+        1 => name.clone(),
+        times => format!("{name} ({times})"),
+    };
+    names.iter().unique().map(each).join(", ")
 }
 
 /// Where, when and of what something was measured, below a title.
@@ -192,8 +183,7 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
         ("Started", from.started.clone()),
         ("Controls", controls.sentence()),
     ]);
-    let items = items.into_iter().map(|(name, value)| Document::default().item(format!("{name}: {value}")));
-    Document::titled(title).and(items)
+    Document::titled(title).items(items.into_iter().map(|(name, value)| format!("{name}: {value}")))
 }
 
 fn scene(record: &Record, group: &Group<'_>) -> Document {
@@ -220,11 +210,10 @@ fn scene(record: &Record, group: &Group<'_>) -> Document {
     }
     let [speed, tolerance] = [chart::STEMS[0], chart::STEMS[1]].map(|begin| format!("{begin}{}", group.stem));
     if !group.ray_sets.is_empty() {
-        page = page.chart(speed, "Error against speed", Drawing::Panels(chart::speed::chart(record, group)));
+        page = page.chart(speed, "Error against speed", runs::speed(record, group));
     }
     if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-        page =
-            page.chart(tolerance, "Agreement over tolerance", Drawing::Panels(chart::tolerance::chart(record, group)));
+        page = page.chart(tolerance, "Agreement over tolerance", runs::tolerance(record, group));
     }
     page
 }
@@ -246,8 +235,7 @@ fn builds(group: &Group<'_>) -> Document {
     // Runs of before structures were asked have nothing to say here.
     if group.configs.iter().any(|row| !row.structure_statistics.is_empty()) {
         sheet = sheet.column("what the structure says of itself", |row| {
-            let said = row.structure_statistics.iter().map(|(name, value)| format!("{name} {}", statistic(*value)));
-            said.collect::<Vec<_>>().join("; ")
+            row.structure_statistics.iter().map(|(name, value)| format!("{name} {}", statistic(*value))).join("; ")
         });
     }
     Document::default().heading(3, "Build").table(sheet.table(&group.configs))
@@ -275,22 +263,13 @@ fn ray_set(place: Place<'_>) -> Document {
 
 /// What every table of traces begins with.
 fn traced<'a>(query: Query) -> Sheet<'a, TableRow<'a>> {
-    Sheet::new()
-        .name(cells::own)
-        .own_clock(cells::own)
-        .column("rays", |(.., trace)| trace.count)
-        .taken(SPEED, cells::own)
-        .taken(TRACE_TIME, cells::own)
-        .right(query, cells::own)
-}
-
-fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, TableRow<'a>> {
-    metrics.into_iter().map(|metric| metric.of_trace(|(.., trace): &TableRow<'_>| Some(trace))).collect()
+    let sheet = Sheet::<TableRow<'_>>::new().name().own_clock().column("rays", |(.., trace)| trace.count);
+    sheet.taken(SPEED).taken(TRACE_TIME).right(query)
 }
 
 fn closest_tables(rows: &[TableRow<'_>]) -> Document {
     let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace)).into_iter().chain(told(rows));
-    let main = traced(Query::Closest).with(metrics(beside.chain([POSITION, IDENTITY, AMBIGUOUS])));
+    let main = traced(Query::Closest).figures(beside.chain([POSITION, IDENTITY, AMBIGUOUS]));
     let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
     for (role, run, trace) in rows {
         let Some(classes) = metrics::closest(trace).map(|judgement| &judgement.classes) else { continue };
@@ -311,7 +290,7 @@ fn closest_tables(rows: &[TableRow<'_>]) -> Document {
 
 fn any_table(rows: &[TableRow<'_>]) -> Table {
     let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
-    traced(Query::Any).with(metrics(told(rows).into_iter().chain(counts))).table(rows)
+    traced(Query::Any).figures(told(rows).into_iter().chain(counts)).table(rows)
 }
 
 /// The column of times that programs tell of themselves, where one does.
@@ -344,7 +323,7 @@ fn causes(rows: &[TableRow<'_>]) -> Table {
         causes.filter(|(_, (_, listed))| !listed.is_empty()).map(|(rule, (all, listed))| (rule, all, listed)).collect()
     });
     let sheet = Sheet::<Caused<'_>>::new()
-        .name(|(row, _)| Some(*row))
+        .name()
         .column("rule", |(_, (rule, ..))| (*rule).clone())
         .column("wrong rays", |(_, (_, all, _))| *all)
         .column("causes, most frequent first", |(_, (.., listed))| listed.join(", "));
@@ -355,7 +334,7 @@ fn counters(rows: &[TableRow<'_>]) -> Table {
     type Counted<'a> = (TableRow<'a>, (&'a String, &'a CounterRecord));
     let whole = |((_, row, _), (name, counter)): &Counted<'_>| touched(row, name, counter);
     let sheet = Sheet::<Counted<'_>>::new()
-        .name(|(row, _)| Some(*row))
+        .name()
         .column("counter", |(_, (name, _))| (*name).clone())
         .column("mean per ray", |row| whole(row).is_none().then_some(row.1.1.per_ray))
         .column("greatest per ray", |(_, (_, counter))| counter.max_per_ray)
@@ -366,12 +345,12 @@ fn counters(rows: &[TableRow<'_>]) -> Table {
 
 fn statuses(rows: &[TableRow<'_>]) -> Table {
     let sheet = Sheet::<(TableRow<'_>, String)>::new()
-        .name(|(row, _)| Some(*row))
+        .name()
         .column("rays by the status that the tracer gave", |(_, listed)| listed.clone());
     let rows = each(rows, |(.., trace)| {
         let named = trace.statuses.iter().filter(|(_, rays)| **rays > 0);
-        let listed: Vec<_> = named.map(|(name, rays)| format!("{name} {}", thousands(*rays))).collect();
-        if listed.is_empty() { Vec::new() } else { vec![listed.join(", ")] }
+        let listed = named.map(|(name, rays)| format!("{name} {}", thousands(*rays))).join(", ");
+        Some(listed).filter(|listed| !listed.is_empty()).into_iter().collect()
     });
     sheet.table(&rows)
 }

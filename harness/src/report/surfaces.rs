@@ -1,8 +1,9 @@
 //! What a summary says of traces that end at surfaces: whether these are right, which passes fetched them, what it took.
 
+use itertools::Itertools as _;
 use tracebench_api::{MemoryEntry, TraceTo};
 
-use super::cells::{self, TableRow};
+use super::cells::TableRow;
 use super::document::Document;
 use super::format::mib;
 use super::group::Role;
@@ -34,20 +35,16 @@ fn at_surfaces(role: Role, trace: &TraceRecord) -> bool {
 fn surfaces(rows: &[TableRow<'_>]) -> Table {
     let rows: Vec<TableRow<'_>> = rows.iter().filter(|(.., trace)| trace.surfaces.is_some()).copied().collect();
     let all = [SURFACES, MATERIAL, NORMAL, POSITION_OF_SURFACE, LOST, NORMAL_ERROR, POSITION_ERROR_OF_SURFACE];
-    let sheet = Sheet::<TableRow<'_>>::new()
-        .name(cells::own)
-        .with(all.map(|metric| metric.of_trace(|(.., trace): &TableRow<'_>| Some(trace))).into());
-    sheet.table(&rows)
+    Sheet::<TableRow<'_>>::new().name().figures(all).table(&rows)
 }
 
 /// What a trace takes, by its parts.
 fn trace_memory(rows: &[TableRow<'_>]) -> Table {
     let has_parts = |(role, _, trace): &&TableRow<'_>| at_surfaces(*role, trace) && !trace.per_trace.is_empty();
     let rows: Vec<TableRow<'_>> = rows.iter().filter(has_parts).copied().collect();
-    let sheet = Sheet::<TableRow<'_>>::new().name(cells::own).column("a trace takes (MiB)", |(.., trace)| {
+    let sheet = Sheet::<TableRow<'_>>::new().name().column("a trace takes (MiB)", |(.., trace)| {
         let part = |part: &MemoryEntry| format!("{} {}", part.name, mib(part.allocated_bytes));
-        let parts: Vec<_> = trace.per_trace.iter().map(part).collect();
-        format!("{}: {}", mib(trace.per_trace_bytes), parts.join(", "))
+        format!("{}: {}", mib(trace.per_trace_bytes), trace.per_trace.iter().map(part).join(", "))
     });
     sheet.table(&rows)
 }
@@ -56,7 +53,6 @@ fn trace_memory(rows: &[TableRow<'_>]) -> Table {
 fn phases(rows: &[TableRow<'_>]) -> Table {
     let several = |(role, _, trace): &&TableRow<'_>| at_surfaces(*role, trace) && !trace.times.phases.is_empty();
     let rows: Vec<TableRow<'_>> = rows.iter().filter(several).copied().collect();
-    let sheet =
-        Sheet::<TableRow<'_>>::new().name(cells::own).phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times));
+    let sheet = Sheet::<TableRow<'_>>::new().name().phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times));
     sheet.table(&rows)
 }

@@ -2,11 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use tracebench_api::Query;
-
 use super::beside::{self, Place};
 use super::cells::TableRow;
-use super::format::trace_to;
+use super::format::code;
 use super::group::{Group, RaySet};
 use super::metrics::{METRICS, Metric, with_ambiguous};
 use super::sheet::{Cell, Column, Columns, Sheet, Table};
@@ -46,8 +44,8 @@ pub(super) fn rows<'a, R: 'a>(
         })
         .csv_column("rays", |((.., (.., trace)), _)| trace.rays.clone())
         .csv_column("rays_sha256", |((.., (.., trace)), _)| trace.rays_sha256.clone())
-        .csv_column("query", |((.., (.., trace)), _)| query(trace.query))
-        .csv_column("trace_to", |((.., (.., trace)), _)| trace_to(trace.trace_to))
+        .csv_column("query", |((.., (.., trace)), _)| code(trace.query))
+        .csv_column("trace_to", |((.., (.., trace)), _)| code(trace.trace_to))
         .clock("clock", |((.., (.., trace)), _)| Some(&trace.times))
         .clock("build_clock", |((.., (_, row, _)), _)| Some(row.build.first()))
         .csv_column("hits_sha256", |((.., (.., trace)), _)| trace.hits_sha256.clone())
@@ -67,13 +65,6 @@ fn size([width, height]: [u32; 2]) -> String {
     format!("{width}x{height}")
 }
 
-fn query(query: Query) -> &'static str {
-    match query {
-        Query::Closest => "closest",
-        Query::Any => "any",
-    }
-}
-
 /// Every wrong ray that the judge kept.
 pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Table {
     type Wrong<'a> = (TableRow<'a>, &'a WrongRay);
@@ -91,7 +82,7 @@ pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Table {
         .csv_column("viewpoint", |((_, row, _), _)| row.viewpoint.name.clone())
         .csv_column("tracer", |((_, row, _), _)| row.label())
         .csv_column("rays", |((.., trace), _)| trace.rays.clone())
-        .csv_column("query", |((.., trace), _)| query(trace.query))
+        .csv_column("query", |((.., trace), _)| code(trace.query))
         .csv_column("ray_index", |(_, ray)| ray.index)
         .with(vector(["origin_x_scene_units", "origin_y_scene_units", "origin_z_scene_units"], |ray| ray.origin))
         .with(vector(["direction_x", "direction_y", "direction_z"], |ray| ray.direction))

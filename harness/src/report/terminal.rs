@@ -2,9 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tracebench_api::ClockKind;
-
-use super::format::{NONE, percent, significant, thousands};
+use super::format::{self, NONE, percent, significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::metrics;
 use crate::results::{Accuracy, Record, TraceRecord};
@@ -65,11 +63,7 @@ fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize)
 }
 
 fn clock(trace: &TraceRecord) -> String {
-    let name = match trace.times.clock {
-        ClockKind::Host => "host clock",
-        ClockKind::DeviceTimestamps => "device timestamps",
-        ClockKind::SubmitToDone => "submit to done",
-    };
+    let name = format::clock(trace.times.clock).trim_end_matches(", host clock");
     let invalid = if trace.times.invalid.is_some() { ", times invalid" } else { "" };
     format!("{name}{invalid}{}", if trace.times.timestamps_refused { REFUSED } else { "" })
 }
@@ -92,6 +86,8 @@ fn line(text: &mut String, width: usize, name: &str, speed: &str, shares: &[impl
 
 #[cfg(test)]
 mod tests {
+    use tracebench_api::ClockKind;
+
     use super::*;
     use crate::report::fixture::{self, Quality};
     use crate::results::Judgement;

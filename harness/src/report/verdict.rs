@@ -1,7 +1,9 @@
 //! Whether the controls of a run scored what they must; one that did not, or is not there, voids the run.
 
+use itertools::Itertools as _;
+
 use crate::measure::controls::Control;
-use crate::results::{Classes, Judgement, Record, Row, TraceRecord, TrueCounts, ViewpointRecord};
+use crate::results::{Judgement, Record, Row, TraceRecord, TrueCounts, ViewpointRecord};
 use crate::studies::tune::Tuning;
 
 /// What the controls say of a run.
@@ -14,6 +16,11 @@ pub(super) enum Verdict {
 }
 
 impl Verdict {
+    fn of(failed: impl Iterator<Item = String>) -> Self {
+        let failed: Vec<String> = failed.unique().collect();
+        if failed.is_empty() { Self::Sound } else { Self::Void(failed) }
+    }
+
     /// In words.
     pub(super) fn sentence(&self) -> String {
         match self {
@@ -25,80 +32,57 @@ impl Verdict {
 
 /// Looks for every control beside everything that was traced, by the rule that every interleaved set holds them to.
 pub(super) fn controls(record: &Record) -> Verdict {
-    let mut failed: Vec<String> = Vec::new();
-    for (config, trace) in record.rows.iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
-        for control in asked(&record.control_names) {
-            if let Some(problem) = problem(record, control, config, trace) {
-                let name = control.description().name;
-                let sentence = format!("{name} {problem} on {} of {}", trace.rays, config.scene.name);
-                if !failed.contains(&sentence) {
-                    failed.push(sentence);
-                }
-            }
-        }
-    }
-    if failed.is_empty() { Verdict::Sound } else { Verdict::Void(failed) }
-}
-
-/// The controls of a record: those of before a control was there do without it.
-fn asked(names: &[String]) -> impl Iterator<Item = Control> {
-    Control::ALL.into_iter().filter(move |control| names.iter().any(|name| name == control.description().name))
-}
-
-/// What is wrong with a control beside a configuration's trace.
-fn problem(record: &Record, control: Control, config: &Row, trace: &TraceRecord) -> Option<&'static str> {
     // Frame and faces shape structures, not rays; controls have none.
     let pose = |view: &ViewpointRecord| ViewpointRecord { frame: [0; 2], face: 0, ..view.clone() };
-    let beside = |one: &&Row| one.scene == config.scene && pose(&one.viewpoint) == pose(&config.viewpoint);
-    let rays = (trace.rays.as_str(), trace.rays_sha256.as_str(), trace.count);
-    problem_on(record.controls.iter().filter(beside), control, rays, &trace.judgement)
-}
-
-/// What is wrong with a control on rays (name, hash, number) beside a configuration's judgement.
-fn problem_on<'a>(
-    rows: impl Iterator<Item = &'a Row>,
-    control: Control,
-    rays: (&str, &str, u64),
-    judgement: &Judgement,
-) -> Option<&'static str> {
-    let found = rows
-        .filter(|one| one.tracer.name == control.description().name)
-        .flat_map(|one| &one.traces)
-        .find(|one| (one.rays.as_str(), one.rays_sha256.as_str(), one.count) == rays);
-    let Some(found) = found else { return Some("is missing") };
-    control.check(&found.judgement, &true_counts(judgement)).err().map(|_| "fails")
+    let of_config = |config: &Row| {
+        let beside = |one: &&Row| one.scene == config.scene && pose(&one.viewpoint) == pose(&config.viewpoint);
+        let rows: Vec<&Row> = record.controls.iter().filter(beside).collect();
+        let of_trace = |trace: &TraceRecord| {
+            let rays = (trace.rays.as_str(), trace.rays_sha256.as_str(), trace.count);
+            problems(&rows, &record.control_names, rays, &trace.judgement)
+        };
+        let problems: Vec<String> = config.traces.iter().flat_map(of_trace).collect();
+        problems.into_iter().map(|problem| format!("{problem} of {}", config.scene.name)).collect::<Vec<_>>()
+    };
+    Verdict::of(record.rows.iter().flat_map(of_config))
 }
 
 /// Looks for every control beside every ray set of a tuning, by the same rule.
 pub(super) fn tuning_controls(tuning: &Tuning) -> Verdict {
     let mut failed = Vec::new();
     for (scene, view) in tuning.scenes.iter().flat_map(|scene| scene.views.iter().map(move |view| (scene, view))) {
+        let rows: Vec<&Row> = view.controls.iter().collect();
         for set in &view.sets {
             let Some(judged) = set.values.iter().find_map(|each| each.judged.as_ref()) else { continue };
-            for control in asked(&tuning.control_names) {
-                let rays = (set.rays.as_str(), set.rays_sha256.as_str(), set.count);
-                if let Some(problem) = problem_on(view.controls.iter(), control, rays, &judged.judgement) {
-                    let (name, place) = (control.description().name, &view.viewpoint.name);
-                    failed.push(format!("{name} {problem} on {} of {}, viewpoint {place}", set.rays, scene.scene.name));
-                }
-            }
+            let rays = (set.rays.as_str(), set.rays_sha256.as_str(), set.count);
+            let problems = problems(&rows, &tuning.control_names, rays, &judged.judgement).into_iter();
+            let place = format!("of {}, viewpoint {}", scene.scene.name, view.viewpoint.name);
+            failed.extend(problems.map(|problem| format!("{problem} {place}")));
         }
     }
-    if failed.is_empty() { Verdict::Sound } else { Verdict::Void(failed) }
+    Verdict::of(failed.into_iter())
+}
+
+/// What is wrong with the controls of a record on rays (name, hash, number) beside a judgement; records of before a control was there do
+/// without it.
+fn problems(rows: &[&Row], names: &[String], rays: (&str, &str, u64), judgement: &Judgement) -> Vec<String> {
+    let problem = |control: &Control| {
+        let name = control.description().name;
+        let traces = rows.iter().filter(|one| one.tracer.name == name).flat_map(|one| &one.traces);
+        let mut of_rays = traces.filter(|one| (one.rays.as_str(), one.rays_sha256.as_str(), one.count) == rays);
+        let problem = match of_rays.next() {
+            Some(found) => control.check(&found.judgement, &true_counts(judgement)).err().map(|_| "fails")?,
+            None => "is missing",
+        };
+        Some(format!("{name} {problem} on {}", rays.0))
+    };
+    let asked = |control: &&Control| names.iter().any(|name| name == control.description().name);
+    Control::ALL.iter().filter(asked).filter_map(problem).collect()
 }
 
 /// What the truth says of the rays, whoever traced them; where ambiguous rays are left out, by the classes of the others.
 fn true_counts(judgement: &Judgement) -> TrueCounts {
-    let of = |hits, misses| TrueCounts { hits, misses, ..TrueCounts::default() };
-    match judgement {
-        Judgement::Closest(judgement) => {
-            let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = judgement.classes.tight;
-            let by_class = || of(true_hit + false_miss + early + late, true_miss + false_hit);
-            judgement.truth.clone().unwrap_or_else(by_class)
-        }
-        Judgement::Any(judgement) => {
-            let table = &judgement.occlusion;
-            of(table.true_occluded + table.false_free, table.true_free + table.false_occluded)
-        }
-    }
+    let [hits, misses] = judgement.true_hits_and_misses();
+    let told = if let Judgement::Closest(judgement) = judgement { judgement.truth.clone() } else { None };
+    told.unwrap_or(TrueCounts { hits, misses, ..TrueCounts::default() })
 }

@@ -80,16 +80,12 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
     let all: Vec<cells::TableRow<'_>> =
         scene.rows.iter().filter_map(|row| Some((Role::Tracer, *row, trace(row, set)?))).collect();
     let Some((.., first)) = all.first() else { return Document::default() };
-    let mut sheet = Sheet::<cells::TableRow<'_>>::new()
-        .name(cells::own)
-        .own_clock(cells::own)
-        .taken(SPEED, cells::own)
-        .taken(TRACE_TIME, cells::own)
-        .right(first.query, cells::own);
+    let mut sheet =
+        Sheet::<cells::TableRow<'_>>::new().name().own_clock().taken(SPEED).taken(TRACE_TIME).right(first.query);
     if all.iter().any(|(.., trace)| trace.times.phases.len() > 1) {
         sheet = sheet.phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times).filter(|_| metrics::judged(trace)));
     }
-    let sheet = sheet.counted(&all, cells::own);
+    let sheet = sheet.counted(&all, |_| true);
     let title = set_heading(set, first.query, first.count);
     Document::of(format!("**{title}**")).paragraph(cells::coverage(&all)).table(sheet.table(&all))
 }

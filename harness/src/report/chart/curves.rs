@@ -1,9 +1,9 @@
 //! Curves over the values of a parameter or over the steps of a setting: where these stand, what joins them, and which marks
 //! curves are drawn with.
 
-use super::axis::log_range;
 use super::palette::Style;
 use super::panel::{Aside, Axis, Control, Mark, Panel, Position, Scale};
+use super::scale::log_range;
 use super::{LONGEST_VALUE, cut};
 pub(super) use crate::studies::pareto::Amount as Measured;
 use crate::studies::sweep::Multiple;
@@ -82,8 +82,14 @@ impl Values {
         Self { skipped: skipped.collect(), ..self }
     }
 
-    /// A panel of curves.
-    pub(super) fn panel(&self, title: String, y: Axis, curves: &[Curve], controls: Vec<Control>) -> Panel {
+    /// A panel of curves. Points that were tried alone have controls of their own; they score the same, and stand there once.
+    pub(super) fn panel(&self, title: String, y: Axis, curves: &[Curve], all: Vec<Control>) -> Panel {
+        let mut controls: Vec<Control> = Vec::new();
+        for control in all {
+            if !controls.contains(&control) {
+                controls.push(control);
+            }
+        }
         let skipped = self.skipped.iter().map(|place| Mark::Upwards(*place, "skipped"));
         let note = measured(curves).next().is_none().then_some("nothing was measured");
         Panel { title, x: self.axis.clone(), y, controls, marks: skipped.chain(self.marks(curves)).collect(), note }

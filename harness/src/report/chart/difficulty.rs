@@ -1,9 +1,9 @@
 //! Wrong rays over the difficulty level of cases, a panel a case.
 
 use super::curves::{Curve, Measured, Values};
-use super::frame::{Entry, Frame, Sample};
+use super::frame::{Chart, Entry, Sample};
 use super::palette::{PLAIN, Styles};
-use super::panel::{Aside, Axis, Chart, Panel, Scale};
+use super::panel::{Aside, Axis, Panel, Scale};
 use super::scale::ZERO_ROW;
 use super::{LONGEST_TRACER, cut};
 use crate::cases;
@@ -19,19 +19,14 @@ const FLOOR: f64 = -3.5;
 pub(in crate::report) fn chart(stability: &Stability) -> Chart {
     let tracers = stability.tracers();
     let styles = Styles::of_labels(tracers.iter().cloned());
-    let panels: Vec<Panel> = stability.cases.iter().map(|case| panel(case, &styles)).collect();
+    let panels = stability.cases.iter().map(|case| panel(case, &styles)).collect();
     // A tracer that this machine cannot run keeps its colour for others, and is not shown.
-    let measured = |label: &&String| {
-        stability
-            .cases
-            .iter()
-            .flat_map(|case| &case.cells)
-            .any(|cell| cell.tracer == **label && !cell.measured.is_empty())
+    let shown = |label: &&String| {
+        let cells = stability.cases.iter().flat_map(|case| &case.cells);
+        cells.filter(|cell| cell.tracer == **label).any(|cell| !cell.measured.is_empty())
     };
-    let legend = tracers
-        .iter()
-        .filter(measured)
-        .map(|label| Entry::new(Sample::Line(styles.get(label)), cut(label, LONGEST_TRACER)));
+    let entry = |label: &String| Entry::new(Sample::Line(styles.get(label)), cut(label, LONGEST_TRACER));
+    let legend = tracers.iter().filter(shown).map(entry).collect();
     let key = vec![
         Entry::new(Sample::Line(PLAIN), "footprint rule; any hit: occlusion"),
         Entry::new(Sample::Hollow(PLAIN), "tight rule (dashed)"),
@@ -42,8 +37,7 @@ pub(in crate::report) fn chart(stability: &Stability) -> Chart {
     ];
     let commit = format::commit(&stability.provenance.commit, stability.provenance.dirty);
     let caption = format!("Commit {commit}. Machine: {}.", stability.provenance.machine.label());
-    let frame = Frame::new(panels.len(), titles, &caption, key, legend.collect());
-    Chart { frame, panels }
+    Chart::new(panels, titles, caption, [legend, key])
 }
 
 fn panel(CaseMatrix { case, cells }: &CaseMatrix, styles: &Styles) -> Panel {
@@ -61,8 +55,8 @@ fn panel(CaseMatrix { case, cells }: &CaseMatrix, styles: &Styles) -> Panel {
     }
     let rays = case.difficulty_levels.first().map_or(0, |difficulty_level| difficulty_level.rays);
     let steps = case.difficulty_parameter.values.iter().map(|value| difficulty_value(*value)).collect();
-    let values =
-        Values::steps(cases::label(&case.difficulty_parameter.name, &case.difficulty_parameter.unit), steps, None);
+    let setting = cases::label(&case.difficulty_parameter.name, &case.difficulty_parameter.unit);
+    let values = Values::steps(setting, steps, None);
     // A little above 100 %, so that markers there are whole.
     let y = Axis { name: "wrong rays (%)".to_owned(), scale: Scale::Shares((FLOOR, 0.15), ZERO_ROW) };
     values.panel(format!("{}: {} rays", case.name, format::thousands(rays)), y, &curves, Vec::new())

@@ -3,6 +3,8 @@
 use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
+use super::frame::{Entry, Sample};
+use super::{LONGEST_TRACER, cut};
 use crate::results::Record;
 
 /// Text.
@@ -33,7 +35,7 @@ pub(super) const COLOURS: [RGBColor; 12] = [
 ];
 
 /// A colour as pages name it.
-pub(super) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
+pub(in crate::report) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
@@ -128,5 +130,10 @@ impl Styles {
         let index = self.labels.iter().position(|each| each == label).unwrap_or(0);
         let turn = index / COLOURS.len();
         Style { colour: COLOURS[index % COLOURS.len()], shape: SHAPES[(index + turn) % SHAPES.len()] }
+    }
+
+    /// Who is who.
+    pub(super) fn legend(&self, sample: fn(Style) -> Sample) -> Vec<Entry> {
+        self.labels.iter().map(|label| Entry::new(sample(self.get(label)), cut(label, LONGEST_TRACER))).collect()
     }
 }

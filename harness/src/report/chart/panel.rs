@@ -1,13 +1,17 @@
 //! Panels of marks over two axes, and the one renderer of all charts that are made of such.
 
-use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::canvas::{Align, Canvas, Drawn, Figure, shorten, text_width};
-use super::frame::{Frame, Rect, TICK_SIZE};
-use super::palette::{CONTROL, GREY, SHADE, Style};
+use super::canvas::{Align, Canvas, shorten, text_width};
+use super::frame::{LEFT, RIGHT, Rect};
+use super::front::{self, Points};
+use super::palette::{CONTROL, GREY, GRID, INK, SHADE, Style};
 pub(super) use super::scale::{Along, Aside, Scale};
 
+const TITLE_SIZE: f64 = 13.0;
+const TICK_SIZE: f64 = 10.5;
+/// Size of axes' names.
+const AXIS_SIZE: f64 = 11.5;
 /// Half the length of the caps at the ends of bars.
 const CAP: f64 = 3.0;
 /// Bars that end nearer than this to their marker get no cap: it would touch the marker.
@@ -50,6 +54,20 @@ pub(super) enum Mark {
     Words(String),
     /// Names beside the right edge, of lines that end at their places.
     Names(Vec<(Position, String, RGBColor)>),
+    /// Points with the fronts that they are on.
+    Points(Points),
+}
+
+impl Mark {
+    /// A solid line.
+    pub(super) fn line(places: &[Position], colour: RGBColor, width: f64) -> Self {
+        Self::Line { places: places.to_vec(), colour, width, dashed: false, aside: Aside::default() }
+    }
+
+    /// A marker at its place.
+    pub(super) fn marker(place: Position, radius: f64, style: Style, hollow: bool) -> Self {
+        Self::Marker { place, radius, style, hollow, aside: Aside::default() }
+    }
 }
 
 /// A control's name, and the places that its dashes lead through, on to the right edge.
@@ -77,164 +95,200 @@ pub(super) struct Panel {
     pub note: Option<&'static str>,
 }
 
-/// A chart of such panels.
-#[derive(Debug)]
-pub(crate) struct Chart {
-    /// What is round them.
-    pub(super) frame: Frame,
-    /// They.
-    pub(super) panels: Vec<Panel>,
-}
-
-impl Figure for Chart {
-    fn size(&self) -> (f64, f64) {
-        self.frame.size()
-    }
-
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
-        self.frame.draw(canvas)?;
-        let mut panels = self.panels.iter().enumerate();
-        panels.try_for_each(|(index, panel)| panel.draw(canvas, self.frame.panel(index)))
-    }
-}
-
 impl Panel {
     /// Its axes on the canvas.
-    pub(super) fn axes(&self, rect: Rect) -> [Along; 2] {
+    pub(super) fn axes(&self, rect: Rect) -> [Along<'_>; 2] {
         [Along::new(&self.x.scale, rect.left, rect.right), Along::new(&self.y.scale, rect.bottom, rect.top)]
     }
 
     /// Draws it.
-    pub(super) fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, rect: Rect) -> Drawn {
-        let [x, y] = self.axes(rect);
-        self.draw_ground(canvas, rect, [&x, &y])?;
-        self.marks.iter().try_for_each(|mark| draw_mark(canvas, mark, rect, [&x, &y]))?;
-        self.note.map_or(Ok(()), |note| rect.note(canvas, note))
+    pub(super) fn draw(&self, canvas: &mut Canvas, rect: Rect) {
+        let [x, y] = &self.axes(rect);
+        self.draw_ground(canvas, rect, [x, y]);
+        self.marks.iter().for_each(|mark| self.draw_mark(canvas, mark, rect, [x, y]));
+        if let Some(note) = self.note {
+            let middle = ((rect.left + rect.right) / 2.0, (rect.top + rect.bottom) / 2.0);
+            let note = shorten(note, AXIS_SIZE, rect.right - rect.left - 8.0);
+            canvas.text(&note, middle, Align::Center, AXIS_SIZE, GREY);
+        }
     }
 
-    fn draw_ground<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, rect: Rect, [x, y]: [&Along; 2]) -> Drawn {
+    fn draw_ground(&self, canvas: &mut Canvas, rect: Rect, [x, y]: [&Along<'_>; 2]) {
+        let Rect { left, top, right, bottom } = rect;
         let [column, row] = [&self.x, &self.y].map(|axis| axis.scale.zero_room());
         if row > 0.0 {
-            canvas.fill((rect.left, rect.bottom - row), (rect.right, rect.bottom), SHADE)?;
+            canvas.fill((left, bottom - row), (right, bottom), SHADE);
         }
         if column > 0.0 {
-            canvas.fill((rect.left, rect.top), (rect.left + column, rect.bottom), SHADE)?;
+            canvas.fill((left, top), (left + column, bottom), SHADE);
         }
         if let Scale::Steps(_, Some(step)) = self.x.scale {
-            let [left, right] = [-0.5, 0.5].map(|half| x.at(step as f64 + half));
-            canvas.fill((left, rect.top), (right, rect.bottom), SHADE)?;
+            let [from, to] = [-0.5, 0.5].map(|half| x.at(step as f64 + half));
+            canvas.fill((from, top), (to, bottom), SHADE);
         }
-        let ticks = x.ticks(&self.x.scale, |text| text_width(text, TICK_SIZE));
+        let ticks = x.ticks(|text| text_width(text, TICK_SIZE));
         // Names of steps stand on two lines where one is too narrow.
         let room = x.step().unwrap_or(f64::INFINITY);
         let wide = |text: &String| text_width(text, TICK_SIZE) > room - STEP_GAP;
         let lines = if ticks.iter().filter_map(|(_, text)| text.as_ref()).any(wide) { 2 } else { 1 };
         for (index, (place, text)) in ticks.iter().enumerate() {
             let text = text.as_ref().map(|text| shorten(text, TICK_SIZE, lines as f64 * room - STEP_GAP));
-            rect.tick_below(canvas, *place, text.as_deref(), index % lines)?;
+            tick_below(canvas, rect, *place, text.as_deref(), index % lines);
         }
-        for (place, text) in y.ticks(&self.y.scale, |_| TICK_SIZE) {
-            rect.tick_left(canvas, place, text.as_deref())?;
+        for (y, text) in y.ticks(|_| TICK_SIZE) {
+            if let Some(text) = text {
+                canvas.path(&[(left, y), (right, y)], GRID, 1.0);
+                canvas.path(&[(left - 5.0, y), (left, y)], GREY, 1.0);
+                canvas.text(&text, (left - 8.0, y), Align::Right, TICK_SIZE, GREY);
+            } else {
+                canvas.path(&[(left - 3.0, y), (left, y)], GREY, 0.5);
+            }
         }
         if row > 0.0 {
-            canvas.text("0", (rect.left - 8.0, y.at(0.0)), Align::End, TICK_SIZE, GREY)?;
+            canvas.text("0", (left - 8.0, y.at(0.0)), Align::Right, TICK_SIZE, GREY);
         }
         if column > 0.0 {
-            rect.tick_below(canvas, x.at(0.0), Some("0"), 0)?;
+            tick_below(canvas, rect, x.at(0.0), Some("0"), 0);
         }
-        rect.title(canvas, &self.title)?;
-        rect.axis_names(canvas, &self.x.name, &self.y.name, lines)?;
+        // The title has the space beside the panel, too.
+        let title = shorten(&self.title, TITLE_SIZE, right - left + RIGHT - 6.0);
+        canvas.text(&title, (left, top - 14.0), Align::Left, TITLE_SIZE, INK);
+        let below = ((left + right) / 2.0, bottom + if lines > 1 { 42.0 } else { 35.0 });
+        canvas.text(&shorten(&self.x.name, AXIS_SIZE, right - left + LEFT), below, Align::Center, AXIS_SIZE, INK);
+        canvas.text_upwards(&self.y.name, (left - 57.0, (top + bottom) / 2.0), AXIS_SIZE, INK);
         let mut names = Vec::new();
         for (name, places) in &self.controls {
-            let across = |value: f64| if value == f64::NEG_INFINITY { rect.left } else { x.at(value) };
+            let across = |value: f64| if value == f64::NEG_INFINITY { left } else { x.at(value) };
             let mut points: Vec<Position> = places.iter().map(|place| (across(place.0), y.at(place.1))).collect();
             let Some((_, height)) = points.last().copied() else { continue };
             // On to the edge, where its name is.
-            points.push((rect.right, height));
+            points.push((right, height));
             if places.iter().all(|place| y.holds(place.1)) {
-                canvas.dashed_path(&points, CONTROL, 1.0)?;
+                canvas.dashed(&points, CONTROL, 1.0);
             }
-            names.push((name.clone(), height, GREY));
+            names.push((name.as_str(), height, GREY));
         }
-        rect.names_right(canvas, &names)?;
-        rect.edge(canvas)
+        names_right(canvas, rect, &names);
+        canvas.path(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], GREY, 1.0);
+    }
+
+    fn draw_mark(&self, canvas: &mut Canvas, mark: &Mark, rect: Rect, [x, y]: [&Along<'_>; 2]) {
+        let at = |(across, up): &Position, aside: Aside| (x.at(*across) + x.aside(aside), y.at(*up));
+        match mark {
+            Mark::Line { places, colour, width, dashed, aside } => {
+                let points: Vec<Position> = places.iter().map(|place| at(place, *aside)).collect();
+                let draw = if *dashed { Canvas::dashed } else { Canvas::path };
+                draw(canvas, &points, *colour, *width);
+            }
+            Mark::Marker { place, radius, style, hollow, aside } => {
+                let draw = if *hollow { Canvas::hollow_marker } else { Canvas::filled_marker };
+                draw(canvas, at(place, *aside), *radius, *style);
+            }
+            Mark::Along { places, radius, style, from } => {
+                let mut next = rect.left + MARKER_GAP * from;
+                for point in places.iter().map(|place| at(place, Aside::default())) {
+                    if point.0 >= next {
+                        canvas.filled_marker(point, *radius, *style);
+                        next = point.0 + MARKER_GAP;
+                    }
+                }
+            }
+            Mark::Bars { place, across, up, colour, aside } => {
+                let (left, top) = at(place, *aside);
+                if let Some([slow, fast]) = across.map(|ends| ends.map(|end| x.at(end))) {
+                    canvas.path(&[(slow, top), (fast, top)], *colour, 1.0);
+                    for end in [slow, fast].into_iter().filter(|end| (end - left).abs() > CAPPED) {
+                        canvas.path(&[(end, top - CAP), (end, top + CAP)], *colour, 1.0);
+                    }
+                }
+                let [least, most] = [y.low_end(place.1, up[0]), y.at(up[1])];
+                canvas.path(&[(left, least), (left, most)], *colour, 1.0);
+                for end in [least, most].into_iter().filter(|end| (end - top).abs() > CAPPED) {
+                    canvas.path(&[(left - CAP, end), (left + CAP, end)], *colour, 1.0);
+                }
+            }
+            Mark::Above { place, by, radius, style } => {
+                let (left, top) = at(place, Aside::default());
+                let top = (top - by).clamp(rect.top + radius, rect.bottom - radius);
+                canvas.hollow_marker((left, top), *radius, *style);
+            }
+            Mark::Rule(value) => {
+                canvas.dashed(&[(x.at(*value), rect.top), (x.at(*value), rect.bottom)], CONTROL, 1.0);
+            }
+            Mark::Upwards(value, word) => {
+                let middle = (x.at(*value), (rect.top + rect.bottom) / 2.0);
+                canvas.text_upwards(word, middle, TICK_SIZE, GREY);
+            }
+            Mark::Words(words) => {
+                let words = shorten(words, TICK_SIZE, rect.right - rect.left - 8.0);
+                canvas.text(&words, (rect.right - 4.0, rect.bottom - 9.0), Align::Right, TICK_SIZE, GREY);
+            }
+            Mark::Names(all) => {
+                let mut names = Vec::new();
+                for (place, name, colour) in all {
+                    let (left, top) = at(place, Aside::default());
+                    canvas.path(&[(left, top), (rect.right, top)], CONTROL, 0.5);
+                    names.push((name.as_str(), top, *colour));
+                }
+                names_right(canvas, rect, &names);
+            }
+            Mark::Points(points) => front::draw(canvas, points.layer(self, rect)),
+        }
     }
 }
 
-fn draw_mark<DB: DrawingBackend>(canvas: &Canvas<DB>, mark: &Mark, rect: Rect, [x, y]: [&Along; 2]) -> Drawn {
-    let at = |(across, up): &Position, aside: Aside| (x.at(*across) + x.aside(aside), y.at(*up));
-    match mark {
-        Mark::Line { places, colour, width, dashed, aside } => {
-            let points: Vec<Position> = places.iter().map(|place| at(place, *aside)).collect();
-            if *dashed { canvas.dashed_path(&points, *colour, *width) } else { canvas.path(&points, *colour, *width) }
-        }
-        Mark::Marker { place, radius, style, hollow: true, aside } => {
-            canvas.hollow_marker(at(place, *aside), *radius, *style)
-        }
-        Mark::Marker { place, radius, style, aside, .. } => canvas.filled_marker(at(place, *aside), *radius, *style),
-        Mark::Along { places, radius, style, from } => {
-            let mut next = rect.left + MARKER_GAP * from;
-            for point in places.iter().map(|place| (x.at(place.0), y.at(place.1))) {
-                if point.0 >= next {
-                    canvas.filled_marker(point, *radius, *style)?;
-                    next = point.0 + MARKER_GAP;
-                }
-            }
-            Ok(())
-        }
-        Mark::Bars { place, across, up, colour, aside } => {
-            let (left, top) = at(place, *aside);
-            if let Some([slow, fast]) = across.map(|ends| ends.map(|end| x.at(end))) {
-                canvas.path(&[(slow, top), (fast, top)], *colour, 1.0)?;
-                for end in [slow, fast].into_iter().filter(|end| (end - left).abs() > CAPPED) {
-                    canvas.path(&[(end, top - CAP), (end, top + CAP)], *colour, 1.0)?;
-                }
-            }
-            let [least, most] = [y.low_end(place.1, up[0]), y.at(up[1])];
-            canvas.path(&[(left, least), (left, most)], *colour, 1.0)?;
-            for end in [least, most].into_iter().filter(|end| (end - top).abs() > CAPPED) {
-                canvas.path(&[(left - CAP, end), (left + CAP, end)], *colour, 1.0)?;
-            }
-            Ok(())
-        }
-        Mark::Above { place, by, radius, style } => {
-            let (left, top) = at(place, Aside::default());
-            let top = (top - by).clamp(rect.top + radius, rect.bottom - radius);
-            canvas.hollow_marker((left, top), *radius, *style)
-        }
-        Mark::Rule(value) => canvas.dashed((x.at(*value), rect.top), (x.at(*value), rect.bottom), CONTROL, 1.0),
-        Mark::Upwards(value, word) => {
-            let middle = (x.at(*value), (rect.top + rect.bottom) / 2.0);
-            canvas.text_upwards(word, middle, TICK_SIZE, GREY)
-        }
-        Mark::Words(words) => {
-            let words = shorten(words, TICK_SIZE, rect.right - rect.left - 8.0);
-            canvas.text(&words, (rect.right - 4.0, rect.bottom - 9.0), Align::End, TICK_SIZE, GREY)
-        }
-        Mark::Names(all) => {
-            let mut names = Vec::new();
-            for (place, name, colour) in all {
-                let (left, top) = at(place, Aside::default());
-                canvas.path(&[(left, top), (rect.right, top)], CONTROL, 0.5)?;
-                names.push((name.clone(), top, *colour));
-            }
-            rect.names_right(canvas, &names)
-        }
+/// A tick of the lower axis with its grid line, its label on a line of several.
+fn tick_below(canvas: &mut Canvas, Rect { top, bottom, .. }: Rect, x: f64, label: Option<&str>, line: usize) {
+    if let Some(label) = label {
+        canvas.path(&[(x, top), (x, bottom)], GRID, 1.0);
+        canvas.path(&[(x, bottom), (x, bottom + 5.0)], GREY, 1.0);
+        let drop = 15.0 + TICK_SIZE * line as f64;
+        canvas.text(label, (x, bottom + drop), Align::Center, TICK_SIZE, GREY);
+    } else {
+        canvas.path(&[(x, bottom), (x, bottom + 3.0)], GREY, 0.5);
     }
+}
+
+/// Names in the gutter on the right, moved apart, each led to its height.
+fn names_right(canvas: &mut Canvas, Rect { top, right, bottom, .. }: Rect, names: &[(&str, f64, RGBColor)]) {
+    let wanted: Vec<f64> = names.iter().map(|(_, y, _)| *y).collect();
+    let places = spread(&wanted, 12.5, top + 4.0, bottom - 4.0);
+    for ((name, y, colour), place) in names.iter().zip(places) {
+        canvas.path(&[(right, *y), (right + 5.0, *y), (right + 11.0, place)], CONTROL, 0.5);
+        let name = shorten(name, TICK_SIZE, RIGHT - 14.0);
+        canvas.text(&name, (right + 13.0, place), Align::Left, TICK_SIZE, *colour);
+    }
+}
+
+/// Moves places apart until neighbours are a gap apart, keeping their order and staying between two bounds while there
+/// is room.
+fn spread(places: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
+    let mut moved = places.to_vec();
+    let mut least = low;
+    for &index in &order {
+        moved[index] = moved[index].max(least);
+        least = moved[index] + gap;
+    }
+    let mut most = high;
+    for &index in order.iter().rev() {
+        moved[index] = moved[index].min(most);
+        most = moved[index] - gap;
+    }
+    moved
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::canvas::to_svg;
-    use super::super::palette::INK;
+    use super::super::frame::Chart;
     use super::*;
 
     fn drawn(x: Scale, controls: Vec<Control>, marks: Vec<Mark>) -> String {
         let axis = |scale| Axis { name: String::new(), scale };
         let (x, y) = (axis(x), axis(Scale::Span([50.0, 100.0])));
         let panels = vec![Panel { title: String::new(), x, y, controls, marks, note: None }];
-        let frame = Frame::new(1, [const { String::new() }; 2], "", Vec::new(), Vec::new());
-        to_svg(&Chart { frame, panels }).unwrap()
+        Chart::new(panels, [const { String::new() }; 2], String::new(), [const { Vec::new() }; 2]).drawn().svg()
     }
 
     fn lines_with<'a>(svg: &'a str, all: &[&str]) -> Vec<&'a str> {
@@ -287,5 +341,14 @@ mod tests {
         assert_eq!([height(75.0, 12.0), height(75.0, -12.0)], [middle - 24.0, middle + 24.0]);
         assert_eq!(height(f64::INFINITY, -9.0), height(100.0, -9.0));
         assert!(height(100.0, 12.0) == height(f64::INFINITY, 99.0) && height(100.0, 12.0) < height(100.0, -9.0));
+    }
+
+    /// Crowded places end a gap apart, in order, within bounds.
+    #[test]
+    fn crowded_places_spread() {
+        let moved = spread(&[10.0, 10.0, 9.0, 50.0], 5.0, 0.0, 52.0);
+        assert_eq!(moved, [14.0, 19.0, 9.0, 50.0]);
+        let moved = spread(&[52.0, 51.0], 5.0, 0.0, 52.0);
+        assert_eq!(moved, [52.0, 47.0]);
     }
 }

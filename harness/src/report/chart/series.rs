@@ -1,13 +1,18 @@
-//! Values over a setting, a panel a quantity: lines through values at equal distances, whatever the setting's steps.
+//! What studies give as data: values over a setting, a panel a quantity, as lines through values at equal distances, whatever the setting's
+//! steps; and errors against time, a panel an error.
 
-use super::axis::log_range;
-use super::curves::{Curve, Measured, Values, measured};
-use super::frame::{Entry, Frame, Sample};
-use super::palette::{PLAIN, Styles};
-use super::panel::{Aside, Axis, Chart, Panel, Scale};
-use super::{Drawing, LONGEST_TRACER, cut, untimed_caption};
-use crate::results::Record;
 use itertools::Itertools as _;
+
+use super::curves::{Curve, Measured, Values, measured};
+use super::frame::{Chart, Entry, Sample};
+use super::palette::{PLAIN, Styles};
+use super::panel::{Aside, Axis, Mark, Panel, Scale};
+use super::scale::log_range;
+use super::untimed_caption;
+use crate::results::Record;
+
+/// Radius of the markers of errors.
+const RADIUS: f64 = 4.5;
 
 /// A line of a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,36 +57,26 @@ pub(crate) struct SeriesChart {
     pub panels: Vec<SeriesPanel>,
 }
 
-/// A chart of a record.
-pub(crate) fn series(record: &Record, chart: SeriesChart) -> Drawing {
-    Drawing::Series(chart, untimed_caption(&record.provenance, &record.preset))
+/// A chart of a record, and one a tracer, where every panel is of one.
+pub(crate) fn series(record: &Record, chart: SeriesChart) -> Chart {
+    let tracers = chart.panels.iter().filter_map(|panel| panel.of.as_deref()).unique();
+    let mut whole = series_of(record, &chart, None);
+    whole.by_tracer = tracers.map(|tracer| (tracer.to_owned(), series_of(record, &chart, Some(tracer)))).collect();
+    whole
 }
 
-impl SeriesChart {
-    /// A chart a tracer, where every panel is of one.
-    pub(crate) fn by_tracer(&self) -> Vec<(&str, Self)> {
-        let tracers = self.panels.iter().filter_map(|panel| panel.of.as_deref()).unique();
-        let of_tracer = |tracer| {
-            let panels = self.panels.iter().filter(|panel| panel.of.as_deref() == Some(tracer)).cloned().collect();
-            (tracer, Self { panels, ..self.clone() })
-        };
-        tracers.map(of_tracer).collect()
-    }
-}
-
-/// Lays a chart out.
-pub(super) fn figure(chart: &SeriesChart, caption: &str) -> Chart {
-    let names = || chart.panels.iter().flat_map(|panel| &panel.series).map(|series| &series.label).unique();
-    let styles = Styles::of_labels(names().cloned());
-    let entry = |name: &String| Entry::new(Sample::Line(styles.get(name)), cut(name, LONGEST_TRACER));
-    let legend = names().map(entry).collect();
+/// Lays out panels: all, or those of a tracer.
+fn series_of(record: &Record, chart: &SeriesChart, tracer: Option<&str>) -> Chart {
+    let panels = || chart.panels.iter().filter(|panel| tracer.is_none() || panel.of.as_deref() == tracer);
+    let labels = panels().flat_map(|panel| &panel.series).map(|series| series.label.clone());
+    let styles = Styles::of_labels(labels);
     let key = chart.key.map_or_else(Vec::new, |[solid, dashed]| {
         vec![Entry::new(Sample::Line(PLAIN), solid), Entry::new(Sample::Hollow(PLAIN), format!("{dashed} (dashed)"))]
     });
     let titles = [chart.title.clone(), chart.subtitle.clone()];
-    let frame = Frame::new(chart.panels.len(), titles, caption, key, legend);
-    let panels = chart.panels.iter().map(|each| panel(each, &styles)).collect();
-    Chart { frame, panels }
+    let caption = untimed_caption(&record.provenance, &record.preset);
+    let panels = panels().map(|each| panel(each, &styles)).collect();
+    Chart::new(panels, titles, caption, [styles.legend(Sample::Line), key])
 }
 
 fn panel(panel: &SeriesPanel, styles: &Styles) -> Panel {
@@ -100,4 +95,28 @@ fn panel(panel: &SeriesPanel, styles: &Styles) -> Panel {
     let drawn = values.panel(panel.title.clone(), y, &curves, Vec::new());
     let zero = panel.series.iter().flat_map(|series| &series.values).any(|value| *value == Some(0.0));
     Panel { note: drawn.note.map(|note| if zero { "0 throughout" } else { note }), ..drawn }
+}
+
+/// A panel of errors: the error's name, and by label time and error.
+pub(in crate::report) type Errors<'a> = (&'a str, Vec<(String, f64, f64)>);
+
+/// The chart of some errors over a time with a name: what is lower and further left is better.
+pub(in crate::report) fn errors(record: &Record, titles: [String; 2], time: &str, errors: &[Errors<'_>]) -> Chart {
+    let styles = Styles::of_labels(errors.iter().flat_map(|(_, points)| points).map(|(label, ..)| label.clone()));
+    let panel = |(name, points): &Errors<'_>| {
+        let positive = points.iter().map(|(.., error)| *error).filter(|error| *error > 0.0);
+        let marker =
+            |(label, ms, error): &(String, f64, f64)| Mark::marker((*ms, *error), RADIUS, styles.get(label), false);
+        Panel {
+            title: (*name).to_owned(),
+            x: Axis { name: time.to_owned(), scale: Scale::Log(log_range(points.iter().map(|(_, ms, _)| *ms)), 6) },
+            y: Axis { name: (*name).to_owned(), scale: Scale::LogAndZero(log_range(positive), 6) },
+            controls: Vec::new(),
+            marks: points.iter().map(marker).collect(),
+            note: points.is_empty().then_some("no tracer was timed"),
+        }
+    };
+    let caption = untimed_caption(&record.provenance, &record.preset);
+    let legends = [styles.legend(Sample::Filled), Vec::new()];
+    Chart::new(errors.iter().map(panel).collect(), titles, caption, legends)
 }

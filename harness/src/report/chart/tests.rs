@@ -58,11 +58,11 @@ fn check(record: &Record) -> Vec<String> {
 }
 
 /// Draws charts, looks at each, and gives their SVGs.
-pub(in crate::report) fn check_charts<'a>(charts: impl Iterator<Item = (&'a str, &'a Drawing)>) -> Vec<String> {
-    let check = |(stem, drawing): (&str, &Drawing)| {
-        let svg = drawing.svg().unwrap();
+pub(in crate::report) fn check_charts<'a>(charts: impl Iterator<Item = (&'a str, &'a Chart)>) -> Vec<String> {
+    let check = |(stem, chart): (&str, &Chart)| {
+        let svg = chart.svg();
         check_svg(stem, &svg);
-        check_png(stem, &drawing.png().unwrap());
+        check_png(stem, &chart.drawn().png().unwrap());
         svg
     };
     charts.map(check).collect()
@@ -172,7 +172,7 @@ fn odd_figures_and_long_texts() {
 #[test]
 fn clocks_are_named() {
     let record = fixture::typical();
-    let svg = summary(&record, &groups(&record)).charts().next().unwrap().1.svg().unwrap();
+    let svg = summary(&record, &groups(&record)).charts().next().unwrap().1.svg();
     for wanted in ["bvh-cpu [host clock]", "screen-dda [submit to done, host clock]", "do not compare"] {
         assert!(svg.contains(wanted), "{wanted}");
     }
@@ -249,7 +249,7 @@ fn break_even_names_every_point() {
     let record = fixture::fronts(&points, &[("diffuse", Query::Closest)], 30.0);
     let section = record.pareto.as_ref().unwrap();
     let page = crate::report::pareto::page::page(&record, section, &crate::report::pareto::shown(&record, section));
-    let svg = page.charts().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg().unwrap();
+    let svg = page.charts().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg();
     let lines: Vec<&str> = svg.lines().collect();
     // Labels of ticks do not begin at their place.
     let times = |text: &str| lines.windows(2).filter(|pair| pair[0].contains("\"start\"") && pair[1] == text).count();

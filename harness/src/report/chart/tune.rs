@@ -5,13 +5,14 @@ use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
 use super::curves::{Curve, Measured, Values, measured};
-use super::frame::{Entry, Frame, Sample};
+use super::frame::{Chart, Entry, Sample};
 use super::palette::{INK, Shape, Style, Styles};
-use super::panel::{Aside, Axis, Chart, Control, Mark, Panel, Position, Scale, level};
-use super::{LONGEST_NAME, LONGEST_SET, LONGEST_VALUE, cut, name_with_unit, untimed_caption};
+use super::panel::{Aside, Axis, Mark, Panel, Position, Scale, level};
+use super::{LONGEST_NAME, LONGEST_SET, LONGEST_VALUE, cut, invalid, name_with_unit, untimed_caption};
 use crate::report::format;
-use crate::report::tune::{Errors, score_name, trials};
-use crate::report::verdict::{self, Verdict};
+use crate::report::tune::{CLASSES, errors, score_name, trials};
+use crate::report::verdict;
+use crate::results::{Row, TraceRecord};
 use crate::statistics::wilson;
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ViewTuned, accuracy};
 
@@ -26,14 +27,6 @@ const CHOSEN_STEP: f64 = 13.0;
 /// The share of the span of agreements that is left free above and below, for the marks of chosen values.
 const AIR: f64 = 0.16;
 
-/// The classes of wrong rays, with how many there are.
-type Class = (&'static str, fn(&Errors) -> Option<u64>);
-const CLASSES: [Class; 4] = [
-    ("false misses", |errors| Some(errors.false_misses)),
-    ("false hits", |errors| Some(errors.false_hits)),
-    ("early", |errors| errors.early),
-    ("late", |errors| errors.late),
-];
 /// The curves of the scores, by viewpoint.
 const VIEWPOINTS: [&str; 2] = ["own viewpoint", "other viewpoint"];
 
@@ -48,8 +41,8 @@ fn shape(label: Label) -> Shape {
 
 /// The chart of a scene.
 pub(in crate::report) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
-    let names = CLASSES.iter().map(|(name, _)| *name).chain(VIEWPOINTS);
-    let styles = Styles::of_labels(names.clone().map(str::to_owned));
+    let names = CLASSES.into_iter().chain(VIEWPOINTS);
+    let styles = Styles::of_labels(names.map(str::to_owned));
     let mut panels = Vec::new();
     for rays in scene.views.iter().flat_map(|view| &view.sets).map(|set| set.rays.as_str()).unique() {
         let of_views: Vec<OfView<'_>> =
@@ -57,9 +50,13 @@ pub(in crate::report) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
         panels.extend(of_views.iter().map(|of_view| error_panel(tuning, rays, *of_view, &styles)));
         panels.push(score_panel(tuning, rays, &of_views, &styles));
     }
-    let legend = names.map(|name| Entry::new(Sample::Line(styles.get(name)), name));
+    let hollow = |label: Label| Sample::Hollow(Style { colour: INK, shape: shape(label) });
+    let mut key: Vec<Entry> = Label::ALL.map(|label| Entry::new(hollow(label), label.name())).into();
+    key.push(Entry::new(Sample::Dashes, "control; its name alone where beyond the axis"));
+    key.push(Entry::new(Sample::Bars, "95 % interval"));
+    let (titles, caption) = words(tuning, scene);
     let columns = scene.views.len().min(VIEWPOINTS.len()) + 1;
-    Chart { frame: frame(tuning, scene, columns, panels.len(), legend.collect()), panels }
+    Chart::new(panels, titles, caption, [styles.legend(Sample::Line), key]).in_columns(columns, PLOT_HEIGHT)
 }
 
 /// A viewpoint with its rays of a set, and whose it is.
@@ -69,11 +66,8 @@ fn set_of<'a>(view: &'a ViewTuned, rays: &str) -> Option<&'a SetTuned> {
     view.sets.iter().find(|set| set.rays == rays)
 }
 
-fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, legend: Vec<Entry>) -> Frame {
-    let hollow = |label: Label| Sample::Hollow(Style { colour: INK, shape: shape(label) });
-    let mut key: Vec<Entry> = Label::ALL.map(|label| Entry::new(hollow(label), label.name())).into();
-    key.push(Entry::new(Sample::Dashes, "control; its name alone where beyond the axis"));
-    key.push(Entry::new(Sample::Bars, "95 % interval"));
+/// The title with the line under it, and the caption.
+fn words(tuning: &Tuning, scene: &SceneTuned) -> ([String; 2], String) {
     let axis = cut(&tuning.axis.name, LONGEST_VALUE);
     let name = cut(&scene.scene.name, LONGEST_NAME);
     // Settings are many words, which a caption wraps.
@@ -81,7 +75,7 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
     let (tracer, settings) = label.split_once(' ').unwrap_or((&label, ""));
     let tracer = cut(tracer, LONGEST_VALUE);
     let title = format!("Tuning {axis} of {tracer}: {name}");
-    let invalid = if verdict::tuning_controls(tuning) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
+    let invalid = invalid(&verdict::tuning_controls(tuning));
     let triangles = format::thousands(scene.scene.triangles);
     let place = |view: &ViewTuned| {
         let ([width, height], [across, down]) = (view.viewpoint.ray_image, view.viewpoint.frame);
@@ -96,8 +90,7 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
         scene.views.first().map(place).unwrap_or_default()
     );
     let settings = if settings.is_empty() { String::new() } else { format!("{tracer} with {settings}. ") };
-    let caption = settings + &untimed_caption(&tuning.provenance, &tuning.preset);
-    Frame::in_columns(columns, PLOT_HEIGHT, panels, [title, subtitle], &caption, key, legend)
+    ([title, subtitle], settings + &untimed_caption(&tuning.provenance, &tuning.preset))
 }
 
 fn values(tuning: &Tuning, sets: &[&SetTuned]) -> Values {
@@ -141,18 +134,16 @@ fn chosen(
 }
 
 fn error_panel(tuning: &Tuning, rays: &str, (view, set, whose): OfView<'_>, styles: &Styles) -> Panel {
-    let share = |of: fn(&Errors) -> Option<u64>| {
+    let share = |class: usize| {
         move |set: &SetTuned, judged: &Judged| {
-            let wrong = of(&Errors::of(&judged.judgement, tuning.rule))?;
+            let wrong = errors(&judged.judgement, tuning.rule)[class]?;
             let trials = trials(set, &judged.judgement);
             Some(Measured { value: wrong as f64 / trials as f64, interval: wilson(wrong, trials)? })
         }
     };
-    let curves: Vec<Curve> = CLASSES
-        .iter()
-        .enumerate()
-        .map(|(order, (name, of))| curve(tuning, set, styles.get(name), Aside(order, CLASSES.len()), share(*of)))
-        .collect();
+    let of_class =
+        |(class, name): (usize, &&str)| curve(tuning, set, styles.get(name), Aside(class, CLASSES.len()), share(class));
+    let curves: Vec<Curve> = CLASSES.iter().enumerate().map(of_class).collect();
     let count = set.map_or(0, |set| set.count);
     let one_ray = 1.0 / count.max(1) as f64;
     let scale = Scale::down_to(measured(&curves).map(|one| one.value).chain([one_ray]));
@@ -183,16 +174,12 @@ fn score_panel(tuning: &Tuning, rays: &str, views: &[OfView<'_>], styles: &Style
     // Up to the oracle; room below it, for marks.
     let air = AIR * (100.0 - least).max(0.01);
     let scale = Scale::Span([(least - air).max(-5.0), 100.0 + air]);
-    let mut controls: Vec<Control> = Vec::new();
-    for control in views.iter().flat_map(|(view, ..)| &view.controls) {
-        for trace in control.traces.iter().filter(|trace| trace.rays == rays) {
-            let Some(share) = accuracy(&trace.judgement, tuning.rule).and_then(|of| of.share) else { continue };
-            let named = level(control.tracer.label(), share * 100.0);
-            if !controls.contains(&named) {
-                controls.push(named);
-            }
-        }
-    }
+    let controls = views.iter().flat_map(|(view, ..)| &view.controls);
+    let traces = controls.flat_map(|row| row.traces.iter().map(move |trace| (row, trace)));
+    let control = |(row, trace): (&Row, &TraceRecord)| {
+        Some(level(row.tracer.label(), accuracy(&trace.judgement, tuning.rule)?.share? * 100.0))
+    };
+    let controls = traces.filter(|(_, trace)| trace.rays == rays).filter_map(control).collect();
     let sets: Vec<&SetTuned> = views.iter().filter_map(|(_, set, _)| *set).collect();
     let name = sets.first().map_or_else(|| tuning.rule.name().to_owned(), |set| score_name(set, tuning.rule));
     let values = values(tuning, &sets);

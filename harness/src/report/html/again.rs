@@ -1,7 +1,5 @@
 //! The commands behind a page: of the page itself, and of its records as far as they tell.
 
-use std::fmt::Write as _;
-
 use super::pieces::escape;
 use super::read::Read;
 use crate::report::Study;
@@ -19,13 +17,9 @@ pub(super) fn section(command: &str, all: &[Read<'_>]) -> String {
         "<section id=\"again\"><h2>Make it again</h2>\n<pre><code>{}</code></pre>\n<p>{HOW}</p>\n<pre><code>",
         escape(command)
     );
-    for read in all {
-        let commit = &read.record.provenance.commit;
-        let _ = writeln!(
-            text,
-            "{}",
-            escape(&format!("{} --out {} # {commit}", of_record(&read.record), quoted(&read.name)))
-        );
+    for Read { record, name, .. } in all {
+        let line = format!("{} --out {} # {}\n", of_record(record), quoted(name), record.provenance.commit);
+        text += &escape(&line);
     }
     text + "</code></pre>\n</section>\n"
 }

@@ -28,41 +28,35 @@ pub(super) fn section(
 ) -> String {
     let same = |[copy, of]: &[String; 2]| format!("{copy} (as {of})");
     let copies: Vec<String> = copies.iter().map(same).collect();
-    let machine = |(number, machine): (usize, &String)| Document::of(format!("Machine {number}: {machine}."));
     let notes = doubts(records)
         .paragraph(few("Left out, since the same record is there", &copies, "Left out"))
-        .and((1..).zip(machines).map(machine));
+        .paragraphs((1..).zip(machines).map(|(number, machine)| format!("Machine {number}: {machine}.")));
     let mut html = format!(
         "<div class=\"answer\">{}</div>\n<div class=\"notes\">{}</div>\n",
-        in_short::text(places, machines),
+        in_short::text(places),
         plain_html(&notes, 3, names)
     );
     if places.is_empty() {
         return html;
     }
     html += &budget::section(places, ASKED);
+    let how = "Closest hits are right by `footprint`, within a pixel; any hits by the balanced accuracy. Other rules stand under *operating \
+               points*. Times are by the host's clock, of work on a device from submission until done.";
+    let every = format!(
+        "How often a method is right at best, and what it costs with at least {} right answers; **bold**: none costs less.",
+        asked(ASKED)
+    );
     let titled = |title: &str, words: &str, table| Document::default().heading(3, title).paragraph(words).table(table);
     let _ = write!(
         html,
         "{}<details><summary>At {} and {} agreement</summary>{}</details>\n{}",
-        plain_html(&titled("Which to take, and why", HOW, needs(places, ASKED)), 1, names),
+        plain_html(&titled("Which to take, and why", how, needs(places, ASKED)), 1, names),
         asked(LEVELS[0]),
         asked(LEVELS[2]),
         plain_html(&Document::default().table(needs(places, LEVELS[0])).table(needs(places, LEVELS[2])), 1, names),
-        plain_html(&titled("Every method", &every_method(), methods(places)), 1, names),
+        plain_html(&titled("Every method", &every, methods(places)), 1, names),
     );
     html
-}
-
-const HOW: &str = "Closest hits are right by `footprint`, within a pixel; any hits by the balanced accuracy. Other rules stand under \
-                   *operating points*. Times are by the host's clock, of work on a device from submission until done.";
-
-/// What the second table shows.
-fn every_method() -> String {
-    format!(
-        "How often a method is right at best, and what it costs with at least {} right answers; **bold**: none costs less.",
-        asked(ASKED)
-    )
 }
 
 /// So many records are named in a sentence of the first screen; all stand further below.

@@ -1,11 +1,12 @@
 //! Causes of wrong answers as stacked bars.
 
 use super::Place;
-use super::pieces::{Piece, Rank, escape};
+use super::pieces::{Piece, Rank, Tags, escape};
 use super::read::Names;
 use super::write::plain_html;
 use crate::report::chart::colour;
 use crate::report::document::Document;
+use crate::report::group::gathered;
 use crate::report::metrics;
 use crate::report::sheet::{Cell, Sheet};
 use crate::results::{OCCLUSION, Rule};
@@ -23,13 +24,8 @@ struct TableRow<'a> {
 /// The causes of all places; nothing where no wrong answer has one.
 pub(super) fn causes(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let rows: Vec<TableRow<'_>> = places.iter().flat_map(rows).collect();
-    let mut known: Vec<(&str, u64)> = Vec::new();
-    for (name, rays) in rows.iter().flat_map(|row| &row.causes) {
-        match known.iter_mut().find(|(known, _)| known == name) {
-            Some((_, all)) => *all += rays,
-            None => known.push((*name, *rays)),
-        }
-    }
+    let known = gathered(rows.iter().flat_map(|row| row.causes.iter().copied())).into_iter();
+    let mut known: Vec<(&str, u64)> = known.map(|(name, rays)| (name, rays.into_iter().sum())).collect();
     if known.is_empty() {
         return Vec::new();
     }
@@ -58,7 +54,7 @@ pub(super) fn causes(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
          <ul class=\"key\">{key}</ul>\n{}",
         plain_html(&Document::default().table(sheet.table(&rows)), 3, names)
     );
-    vec![Piece::Heavy { rank: Rank::Page, what: "causes".to_owned(), tags: String::new(), html }]
+    vec![Piece::heavy(Rank::Page, "causes", Tags::default(), html)]
 }
 
 /// The rule under which causes stand.

@@ -3,39 +3,35 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
+
 use super::Place;
 use super::pieces::{Piece, Rank, Tags, escape};
 use super::read::Names;
 use super::write::{figure, plain_html};
-use crate::report::chart::{self, FrontLayers, PointMark};
+use crate::report::chart::front::{
+    self, FRONT_WIDTH, HOLLOW, Layer, NAME_SIZE, Name, ON_FRONT, OWN_WIDTH, Placed, Places, Point,
+};
+use crate::report::chart::{Chart, SCALE, hex};
 use crate::report::document::Document;
-use crate::report::format::with_interval;
-use crate::report::pareto::page;
-use crate::report::{ReportError, metrics};
-use crate::results::{self, FrontPoint};
+use crate::report::format::{significant, with_interval};
+use crate::report::metrics;
+use crate::report::pareto::{cost_name, page};
+use crate::results::said as said_value;
 use crate::studies::pareto::{By, Cost, FrontStatus, Wrong};
 
 /// Charts of fronts, with who is on them.
-pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
+pub(super) fn fronts(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for place in places {
-        let figure = chart::fronts(&place.read.record, place.section, place.field, place.by);
-        let layers = figure.layers().map_err(|error| chart::made("fronts", &error))?;
-        pieces.push(Piece::Heavy {
-            rank: Rank::Front,
-            what: format!("fronts of {}", place.title()),
-            html: front(place, &layers, &machines[place.read.machine - 1]),
-            tags: place.tags().text(),
-        });
+        let chart = front::fronts(&place.read.record, place.section, place.field, place.by);
+        pieces.push(place.piece(Rank::Front, "fronts", with_points(place, chart)));
         let on_fronts = by_rule(place, |by| page::front_points(&place.read.record, place.section, place.field, by));
         pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &on_fronts, names));
     }
-    for (index, place) in places.iter().enumerate() {
-        if places[..index].iter().all(|known| !std::ptr::eq(known.read, place.read)) {
-            pieces.push(Piece::Fixed(points(place)));
-        }
-    }
-    Ok(pieces)
+    let of_record = |place: &Place<'_>| Piece::Fixed(points(place));
+    pieces.extend(places.iter().unique_by(|place| place.number).map(of_record));
+    pieces
 }
 
 /// Operating points, and how far every tracer gets.
@@ -48,25 +44,20 @@ pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece
 }
 
 /// Who overtakes whom.
-pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
+pub(super) fn break_even(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for place in places {
-        let machine = &machines[place.read.machine - 1];
         // The chart stands above.
         let text = page::break_even(&place.read.record, place.section, place.shown, place.field, place.by);
-        let Some((_, drawing)) = text.charts().next() else { continue };
-        let svg = drawing.svg().map_err(|error| chart::made("break-even", &error))?;
-        let alt = format!("Time of a frame over its number of rays, by tracer: {}", place.title());
-        let caption = format!("{}. Time of a frame (ms) over rays a frame, of every tracer. {machine}.", place.title());
-        pieces.push(Piece::Heavy {
-            rank: Rank::Chart,
-            what: format!("break-even chart of {}", place.title()),
-            html: figure(&svg, &alt, &caption, place.tags()),
-            tags: place.tags().text(),
-        });
+        let Some((_, chart)) = text.charts().next() else { continue };
+        let (title, machine) = (place.title(), place.read.label());
+        let alt = format!("Time of a frame over its number of rays, by tracer: {title}");
+        let caption = format!("{title}. Time of a frame (ms) over rays a frame, of every tracer. {machine}.");
+        let chart = figure(&chart.svg(), &alt, &caption, place.tags());
+        pieces.push(place.piece(Rank::Chart, "break-even chart", chart));
         pieces.push(opened(Rank::Page, place, ["break-even", ""], &text, names));
     }
-    Ok(pieces)
+    pieces
 }
 
 /// What is told of a place by every rule.
@@ -77,9 +68,8 @@ fn by_rule(place: &Place<'_>, of: impl Fn(By) -> Document) -> Document {
 
 /// What is told of a place, as a part that opens; what stands before the place's title where it is told of, and there.
 fn opened(rank: Rank, place: &Place<'_>, [what, title]: [&str; 2], text: &Document, names: &Names) -> Piece {
-    let (of, tags) = (place.title(), place.tags().text());
-    let html = details(&format!("{title}{of}"), &tags, &plain_html(text, 2, names));
-    Piece::Heavy { rank, what: format!("{what} of {of}"), html, tags }
+    let title = format!("{title}{}", place.title());
+    place.piece(rank, what, details(&title, &place.tags().text(), &plain_html(text, 2, names)))
 }
 
 /// A part that opens.
@@ -91,17 +81,11 @@ pub(super) fn details(title: &str, tags: &str, html: &str) -> String {
 fn points(place: &Place<'_>) -> String {
     let mut rows = String::new();
     for (index, point) in place.section.points.iter().enumerate() {
-        let _ = writeln!(
-            rows,
-            "<tr id=\"{}\"{}><td>{}</td><td>{}</td><td>{}×{}, {}</td></tr>",
-            id(place, index),
-            Tags { tracer: Some(&point.tracer), ..Tags::default() }.text(),
-            escape(&point.label()),
-            escape(&parameters(point)),
-            point.frame[0],
-            point.frame[1],
-            point.face,
-        );
+        let parameters = point.parameters.iter().map(|(name, value)| format!("{name}={}", said_value(value))).join(" ");
+        let (id, tags, label) = (id(place, index), Tags::of_tracer(&point.tracer).text(), escape(&point.label()));
+        let (parameters, [width, height], face) = (escape(&parameters), point.frame, point.face);
+        let size = format!("{width}×{height}, {face}");
+        let _ = writeln!(rows, "<tr id=\"{id}\"{tags}><td>{label}</td><td>{parameters}</td><td>{size}</td></tr>");
     }
     let table = format!(
         "<div class=\"wide\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">point</th><th scope=\"col\">parameters</th>\
@@ -114,96 +98,91 @@ fn id(place: &Place<'_>, index: usize) -> String {
     format!("r{}p{index}", place.number)
 }
 
-fn parameters(point: &FrontPoint) -> String {
-    let all: Vec<String> =
-        point.parameters.iter().map(|(name, value)| format!("{name}={}", results::said(value))).collect();
-    all.join(" ")
-}
-
 /// A chart with its points on top.
-fn front(place: &Place<'_>, layers: &FrontLayers, machine: &str) -> String {
-    let FrontLayers { ground, scale, widths: [front, own], radii: [on_front, hollow], name_size, panels } = layers;
+fn with_points(place: &Place<'_>, chart: Chart) -> String {
     let mut marks = format!(
-        "<g class=\"points\" transform=\"scale({scale})\" style=\"--front:{front};--own:{own};--name:{name_size}px;--hollow:{}\">\n",
-        hollow / on_front
+        "<g class=\"points\" transform=\"scale({SCALE})\" \
+         style=\"--front:{FRONT_WIDTH};--own:{OWN_WIDTH};--name:{NAME_SIZE}px;--hollow:{}\">\n",
+        HOLLOW / ON_FRONT
     );
-    for panel in panels {
-        let costs: Vec<_> = place.field.unsurely_beaten(&place.field.entries, panel.cost, place.by);
+    for (cost, Layer { own, front, points, names }) in chart.layers() {
+        let costs: Vec<_> = place.field.unsurely_beaten(&place.field.entries, cost, place.by);
         let beaten: BTreeMap<usize, Vec<usize>> = costs.into_iter().collect();
-        let _ = writeln!(marks, "<g class=\"panel\" role=\"group\" aria-label=\"{}\">", escape(&panel.cost_name));
-        for (tracer, colour, path) in &panel.own {
-            let tags = Tags { tracer: Some(tracer), ..Tags::default() }.text();
-            let _ = writeln!(marks, "<path class=\"own\"{tags} stroke=\"{colour}\" d=\"{path}\"/>");
+        let _ = writeln!(marks, "<g class=\"panel\" role=\"group\" aria-label=\"{}\">", escape(&cost_name(cost)));
+        for (tracer, colour, line) in own {
+            let (tags, colour) = (Tags::of_tracer(tracer).text(), hex(colour));
+            let _ = writeln!(marks, "<path class=\"own\"{tags} stroke=\"{colour}\" d=\"{}\"/>", path(&line));
         }
-        let _ = writeln!(marks, "<path class=\"line\" d=\"{}\"/>", panel.front);
-        for (place_in_panel, point) in panel.points.iter().enumerate() {
-            let said = said(place, point, &panel.cost_name, panel.cost);
-            marks +=
-                &mark(&id(place, point.index), point, &said, place_in_panel == 0, beaten.get(&point.index), *on_front);
+        let _ = writeln!(marks, "<path class=\"line\" d=\"{}\"/>", path(&front));
+        for (index, placed) in points.iter().enumerate() {
+            marks += &mark(place, placed, cost, index == 0, beaten.get(&placed.point.index));
         }
-        for (name, point, (left, top)) in
-            panel.points.iter().filter_map(|point| point.name.as_ref().map(|(name, at)| (name, point, at)))
-        {
-            let tags = Tags { tracer: Some(&point.tracer), ..Tags::default() }.text();
-            let _ = writeln!(
-                marks,
-                "<text{tags} x=\"{left:.1}\" y=\"{top:.1}\" fill=\"{}\">{}</text>",
-                point.colour,
-                escape(name)
-            );
+        for Name { point, place: (left, top) } in names {
+            let (tags, colour) = (Tags::of_tracer(&point.tracer).text(), hex(point.look().0));
+            let name = escape(&point.name);
+            let _ = writeln!(marks, "<text{tags} x=\"{left:.1}\" y=\"{top:.1}\" fill=\"{colour}\">{name}</text>");
         }
         marks.push_str("</g>\n");
     }
     marks.push_str("</g>\n</svg>");
     // On top of everything that is drawn.
-    let svg = ground.trim_end().strip_suffix("</svg>").unwrap_or(ground).to_owned() + &marks;
-    let alt = format!("Fronts of {}: what points cost against what they get wrong", place.title());
+    let ground = chart.ground();
+    let svg = ground.trim_end().strip_suffix("</svg>").unwrap_or(&ground).to_owned() + &marks;
+    let (title, by, machine) = (place.title(), place.by.name(), place.read.label());
+    let alt = format!("Fronts of {title}: what points cost against what they get wrong");
     let caption = format!(
-        "{}. Wrong rays (%) by {} over cost. Points tell their parameters when they are pointed at or have the focus (arrow keys). {machine}.",
-        place.title(),
-        place.by.name()
+        "{title}. Wrong rays (%) by {by} over cost. Points tell their parameters when they are pointed at or have the focus (arrow keys). \
+         {machine}."
     );
     figure(&svg, &alt, &caption, place.tags()).replacen("role=\"img\"", "role=\"group\"", 1)
 }
 
+/// A line through places as the path of an SVG.
+fn path(places: &Places) -> String {
+    let short = |length: f64| (length * 100.0).round() / 100.0;
+    let step = |(index, (x, y)): (usize, &(f64, f64))| {
+        format!("{}{} {}", if index == 0 { "M" } else { "L" }, short(*x), short(*y))
+    };
+    places.iter().enumerate().map(step).collect()
+}
+
 /// What a point is and does, in words.
-fn said(place: &Place<'_>, point: &PointMark, cost_name: &str, cost: Cost) -> String {
+fn said(place: &Place<'_>, point: &Point, cost: Cost) -> String {
     let entry = place.field.entries.iter().find(|entry| entry.index == point.index);
     let label = place.section.points[point.index].label();
     let wrong = entry.and_then(|entry| Some((Wrong::of(entry.trace, place.by)?, metrics::trials(entry.trace))));
     let right = wrong.map_or_else(String::new, |(wrong, trials)| format!("; right {}", page::right(&wrong, trials)));
     let read = match cost {
-        Cost::Bytes => crate::report::format::significant(point.read.value, 4),
-        _ => with_interval(point.read.value, point.read.interval, 4),
+        Cost::Bytes => significant(point.x.value, 4),
+        _ => with_interval(point.x.value, point.x.interval, 4),
     };
-    format!("{label}; {cost_name} {read}{right}")
+    format!("{label}; {} {read}{right}", cost_name(cost))
 }
 
-fn mark(id: &str, point: &PointMark, said: &str, first: bool, beaten: Option<&Vec<usize>>, radius: f64) -> String {
+fn mark(place: &Place<'_>, placed: &Placed<'_>, cost: Cost, first: bool, beaten: Option<&Vec<usize>>) -> String {
+    let Placed { point, place: (left, top), bars, arrow } = placed;
     let front_status = match point.front_status {
         FrontStatus::OnFront => "front",
         FrontStatus::WithinNoise => "noise",
         FrontStatus::Behind => "behind",
     };
     let best = if point.is_best { " best" } else { "" };
-    let tags = Tags { tracer: Some(&point.tracer), ..Tags::default() }.text();
-    let near: Vec<String> = beaten.into_iter().flatten().map(usize::to_string).collect();
-    let near = if near.is_empty() { String::new() } else { format!(" data-near=\"{}\"", near.join(" ")) };
-    let [cost, error] = point.spot;
-    let (left, top) = point.place;
-    let dot = match &point.outline {
-        Some(path) => format!("<path class=\"dot\" d=\"{path}\"/>"),
-        None => format!("<circle class=\"dot\" r=\"{radius}\"/>"),
+    let near = beaten
+        .filter(|near| !near.is_empty())
+        .map_or_else(String::new, |near| format!(" data-near=\"{}\"", near.iter().join(" ")));
+    let (colour, outline) = point.look();
+    let dot = match outline {
+        Some(line) => format!("<path class=\"dot\" d=\"{}z\"/>", path(&line)),
+        None => format!("<circle class=\"dot\" r=\"{ON_FRONT}\"/>"),
     };
-    let arrow = point.arrow.as_ref().map_or_else(String::new, |path| format!("<path class=\"arrow\" d=\"{path}\"/>"));
+    let [bars, arrow] = [bars, arrow].map(|lines| lines.iter().map(path).collect::<String>());
+    let arrow = if arrow.is_empty() { arrow } else { format!("<path class=\"arrow\" d=\"{arrow}\"/>") };
+    let (tags, index, colour) = (Tags::of_tracer(&point.tracer).text(), point.index, hex(colour));
+    let (id, said, order) = (id(place, index), escape(&said(place, point, cost)), if first { 0 } else { -1 });
+    let data = format!("data-index=\"{index}\" data-cost=\"{}\" data-error=\"{}\"", point.cost, point.y);
     format!(
-        "<g class=\"mark {front_status}{best}\"{tags} data-point=\"{id}\" data-index=\"{}\" data-cost=\"{cost}\" data-error=\"{error}\"{near} \
-         tabindex=\"{}\" role=\"img\" aria-label=\"{}\" color=\"{}\" transform=\"translate({left:.2} {top:.2})\">\
-         <path class=\"bars\" d=\"{}\"/>{arrow}{dot}</g>\n",
-        point.index,
-        if first { 0 } else { -1 },
-        escape(said),
-        point.colour,
-        point.bars,
+        "<g class=\"mark {front_status}{best}\"{tags} data-point=\"{id}\" {data}{near} tabindex=\"{order}\" role=\"img\" \
+         aria-label=\"{said}\" color=\"{colour}\" transform=\"translate({left:.2} {top:.2})\"><path class=\"bars\" d=\"{bars}\"/>\
+         {arrow}{dot}</g>\n"
     )
 }

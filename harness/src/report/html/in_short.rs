@@ -2,39 +2,31 @@
 
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
+
 use super::Place;
 use super::answer::{ASKED, is_smoke, is_within_noise};
 use super::pieces::{Tags, escape};
+use crate::report::group::gathered;
 use crate::report::pareto::page::{asked, too_few};
 use crate::studies::pareto::{Aim, best};
-use itertools::Itertools as _;
 
 /// A list a machine.
-pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
+pub(super) fn text(places: &[Place<'_>]) -> String {
     let mut html = String::new();
-    for machine in 1..=machines.len() {
-        let own = cases_of(places, machine);
-        if own.is_empty() {
-            continue;
-        }
-        let least = asked(ASKED);
+    let numbers = places.iter().map(|place| place.read.machine).unique().sorted();
+    for machine in numbers {
+        let (own, least) = (cases_of(places, machine), asked(ASKED));
         let _ = writeln!(
             html,
             "<p>On machine {machine}, where at least {least} of the answers must be right, take</p>\n<ul>"
         );
-        let mut lines: Vec<(String, String)> = Vec::new();
-        for rays in own.iter().map(|place| place.field.rays).unique() {
-            let cases: Vec<&Place<'_>> = own.iter().copied().filter(|place| place.field.rays == rays).collect();
-            let tags = Tags { rays: Some(rays), ..Tags::default() }.text();
-            let name = format!("<span{tags}>{}</span>", escape(rays));
-            let said = said(&cases);
-            match lines.iter_mut().find(|(_, known)| *known == said) {
-                Some((names, _)) => *names += &name,
-                None => lines.push((name, said)),
-            }
-        }
-        for (names, said) in lines {
-            let _ = writeln!(html, "<li>for {names}{said}</li>");
+        let by_rays = gathered(own.iter().map(|place| (place.field.rays, *place))).into_iter();
+        let name = |rays: &str| {
+            format!("<span{}>{}</span>", Tags { rays: Some(rays), ..Tags::default() }.text(), escape(rays))
+        };
+        for (said, names) in gathered(by_rays.map(|(rays, cases)| (said(&cases), name(rays)))) {
+            let _ = writeln!(html, "<li>for {}{said}</li>", names.concat());
         }
         html += "</ul>\n";
     }
@@ -56,17 +48,12 @@ pub(super) fn cases_of<'p, 'a>(places: &'p [Place<'a>], machine: usize) -> Vec<&
 /// Who is best for a need, in words: every tracer with how many cases it has and in how many of these another may be as good, the most
 /// first; nobody comes last.
 pub(super) fn winners(cases: &[&Place<'_>], aim: Aim) -> Vec<String> {
-    let mut won: Vec<(Option<&str>, usize, usize)> = Vec::new();
-    for place in cases {
+    let won = gathered(cases.iter().map(|place| {
         let found = best(place.field, &place.field.entries, place.by, ASKED, aim);
-        let tracer = found.map(|found| found.point.tracer.as_str());
-        let noisy = usize::from(found.is_some_and(|found| is_within_noise(place, ASKED, aim, &found)));
-        match won.iter_mut().find(|(known, ..)| *known == tracer) {
-            Some((_, count, all_noisy)) => (*count, *all_noisy) = (*count + 1, *all_noisy + noisy),
-            None => won.push((tracer, 1, noisy)),
-        }
-    }
-    won.sort_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count)));
+        let noisy = found.as_ref().is_some_and(|found| is_within_noise(place, ASKED, aim, found));
+        (found.map(|found| found.point.tracer.as_str()), noisy)
+    }));
+    let counted = won.into_iter().map(|(tracer, noisy)| (tracer, noisy.len(), noisy.iter().filter(|is| **is).count()));
     let each = |(tracer, count, noisy): (Option<&str>, usize, usize)| {
         let name = tracer.map_or_else(|| "nobody".to_owned(), |name| format!("<strong>{}</strong>", escape(name)));
         match (cases.len(), noisy) {
@@ -76,7 +63,7 @@ pub(super) fn winners(cases: &[&Place<'_>], aim: Aim) -> Vec<String> {
             (all, noisy) => format!("{name} (in {count} of {all}, {noisy} of them within noise)"),
         }
     };
-    won.into_iter().map(each).collect()
+    counted.sorted_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count))).map(each).collect()
 }
 
 /// In how many cases there are too few rays to tell.

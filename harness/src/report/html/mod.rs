@@ -13,7 +13,6 @@ mod fronts;
 mod in_short;
 mod pictures;
 mod pieces;
-mod player;
 mod read;
 mod records;
 #[cfg(test)]
@@ -23,6 +22,8 @@ mod write;
 
 pub use again::quoted;
 pub(super) use read::called;
+
+use itertools::Itertools as _;
 
 use super::document::Document;
 use super::pareto::{Shown, shown};
@@ -84,13 +85,18 @@ impl Place<'_> {
         let section = if self.is_shared { format!(", record {}", self.read.name) } else { String::new() };
         format!("{}, {}, machine {}{section}", self.field.scene.scene.name, self.field.rays, self.read.machine)
     }
+
+    /// Something of it that may be left out.
+    fn piece(&self, rank: Rank, what: &str, html: String) -> Piece {
+        Piece::heavy(rank, format!("{what} of {}", self.title()), self.tags(), html)
+    }
 }
 
 /// Makes a page of records, each with where it was read from, in at most so many bytes. `missing` are measurements that were to be beside
 /// them.
 ///
 /// # Errors
-/// If a chart cannot be drawn.
+/// If what tables are made of cannot be.
 pub fn page(
     records: &[(String, Record)],
     missing: &[String],
@@ -105,37 +111,73 @@ pub fn page(
         .map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.record, points)))
         .collect();
     let places = places(&all, &shown);
-    let mut sections = Sections::default();
-    let pages = |section| records::pages(&all, section, &machines, &names, makers.tables);
-    sections.add("fronts", "Fronts", fronts::fronts(&places, &machines, &names)?);
-    sections.add("operating-points", "Operating points", fronts::operating_points(&places, &names));
-    sections.add("break-even", "Break-even", fronts::break_even(&places, &machines, &names)?);
-    sections.add("pictures", "Pictures of answers", pictures::pictures(&places, &machines));
-    sections.add("frames", "Frames", player::players(&all));
-    sections.add("need", "The need curve", pages(Section::Need)?);
+    let pages = |section| records::pages(&all, section, &names, makers.tables);
     let rows: Vec<Record> =
         all.iter().filter(|read| read.record.table.is_some()).map(|read| read.record.clone().into_owned()).collect();
     let mut tables = pages(Section::Table)?;
     tables.extend((makers.claims)(&rows).iter().map(|page| records::claims(page, &names)));
-    sections.add("tables", "Tables and claims beside the published values", tables);
-    sections.add("matrix", "The matrix", pages(Section::Matrix)?);
-    sections.add("causes", "Causes of wrong answers", causes::causes(&places, &names));
-    sections.add("studies", "Sweeps and other studies", pages(Section::Study)?);
-    sections.add("runs", "Runs in full", pages(Section::Run)?);
-    sections.add("machine", "Machines and records", vec![Piece::Fixed(sources(&all, &names))]);
-    sections.add(
-        "rules",
-        "Rules",
-        vec![Piece::Fixed(fronts::details("How it is measured and judged", "", &write::rules(RULES)))],
-    );
-    let chart = sections.first_chart(first::hardest(&places).map(Place::title));
-    let first = first::screen(&places, &all, &machines, &chart, &sections.titles);
-    let head = head(&names, &sections, &first, &answer::section(&places, &all, &machines, &copies, &names));
-    let foot = foot(&again::section(command, &all));
+    let rules = fronts::details("How it is measured and judged", "", &write::rules(RULES));
+    let mut sections = vec![
+        ("fronts", "Fronts", fronts::fronts(&places, &names)),
+        ("operating-points", "Operating points", fronts::operating_points(&places, &names)),
+        ("break-even", "Break-even", fronts::break_even(&places, &names)),
+        ("pictures", "Pictures of answers", pictures::pictures(&places)),
+        ("frames", "Frames", pictures::players(&all)),
+        ("need", "The need curve", pages(Section::Need)?),
+        ("tables", "Tables and claims beside the published values", tables),
+        ("matrix", "The matrix", pages(Section::Matrix)?),
+        ("causes", "Causes of wrong answers", causes::causes(&places, &names)),
+        ("studies", "Sweeps and other studies", pages(Section::Study)?),
+        ("runs", "Runs in full", pages(Section::Run)?),
+        ("machine", "Machines and records", vec![Piece::Fixed(sources(&all, &names))]),
+        ("rules", "Rules", vec![Piece::Fixed(rules)]),
+    ];
+    // Those that have nothing are not there.
+    sections.retain(|(.., pieces)| !pieces.is_empty());
+    let titles = sections.iter().map(|(id, title, _)| (*id, *title)).collect_vec();
+    let chart = first_chart(&mut sections, first::hardest(&places).map(Place::title));
+    let first = first::screen(&places, &all, &machines, &chart, &titles);
+    let link = |(id, title): &(&str, &str)| format!("<li><a href=\"#{id}\">{title}</a></li>");
+    let links: String = titles.iter().map(link).collect();
+    let section = |(id, title, pieces): (&str, &str, Vec<Piece>)| {
+        let begin = Piece::Fixed(format!("<section id=\"{id}\"><h2>{title}</h2>\n"));
+        std::iter::once(begin).chain(pieces).chain([Piece::Fixed("</section>\n".to_owned())])
+    };
+    let pieces: Vec<Piece> = sections.into_iter().flat_map(section).collect();
+    let answer = answer::section(&places, &all, &machines, &copies, &names);
+    let again = again::section(command, &all);
+    let copies: Vec<String> = copies.iter().map(|[copy, of]| format!("{copy}: the same as {of}")).collect();
     // What is left out is named once more below.
-    let copies = same(&copies) + &listed("Not or not wholly measured", missing);
-    let room = max_bytes.saturating_sub(head.len() + copies.len() + foot.len());
-    Ok(sections.finish(head, &copies, &foot, room))
+    let copies = listed("Records that are given twice", &copies) + &listed("Not or not wholly measured", missing);
+    let whole = |sections: &str, left_out: &str| {
+        format!(
+            include_str!("page.html"),
+            style = STYLE,
+            first = first,
+            links = links,
+            choices = choices(&names),
+            answer = answer,
+            sections = sections,
+            left_out = left_out,
+            again = again,
+            script = SCRIPT,
+        )
+    };
+    let (sections, dropped) = fit(&pieces, max_bytes.saturating_sub(whole("", &copies).len()));
+    let nothing = if dropped.is_empty() { "<p>Nothing for want of room.</p>\n" } else { "" };
+    let left_out = copies + nothing + &listed("For want of room", &dropped);
+    Ok(Page { html: whole(&sections, &left_out), dropped })
+}
+
+/// Takes the chart out that stands on the first screen: the front of a place, or where there is none the first chart of all.
+fn first_chart(sections: &mut [(&str, &str, Vec<Piece>)], place: Option<String>) -> String {
+    let is_first = |piece: &mut Piece| match (piece, &place) {
+        (Piece::Heavy { what, rank: Rank::Front, .. }, Some(place)) => *what == format!("fronts of {place}"),
+        (Piece::Heavy { rank: Rank::Chart, .. }, None) => true,
+        _ => false,
+    };
+    let found = sections.iter_mut().find_map(|(.., pieces)| pieces.extract_if(.., is_first).next());
+    found.map_or_else(String::new, |(Piece::Heavy { html, .. } | Piece::Fixed(html))| html)
 }
 
 fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>> {
@@ -160,70 +202,15 @@ fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>
     places
 }
 
-/// Records that are the same as others.
-fn same(copies: &[[String; 2]]) -> String {
-    let told: Vec<String> = copies.iter().map(|[copy, of]| format!("{copy}: the same as {of}")).collect();
-    listed("Records that are given twice", &told)
-}
-
 /// A list with its title, where there is anything to list.
 fn listed(title: &str, all: &[String]) -> String {
     let items: String = all.iter().map(|what| format!("<li>{}</li>", escape(what))).collect();
     if items.is_empty() { items } else { format!("<p>{title}:</p><ul>{items}</ul>\n") }
 }
 
-/// Sections with their titles; those that have nothing are not there.
-#[derive(Default)]
-struct Sections {
-    titles: Vec<(&'static str, &'static str)>,
-    pieces: Vec<Piece>,
-}
-
-impl Sections {
-    fn add(&mut self, id: &'static str, title: &'static str, pieces: Vec<Piece>) {
-        if pieces.is_empty() {
-            return;
-        }
-        self.titles.push((id, title));
-        self.pieces.push(Piece::Fixed(format!("<section id=\"{id}\"><h2>{title}</h2>\n")));
-        self.pieces.extend(pieces);
-        self.pieces.push(Piece::Fixed("</section>\n".to_owned()));
-    }
-
-    /// Takes the chart out that stands on the first screen: the front of a place, or where there is none the first chart of all.
-    fn first_chart(&mut self, place: Option<String>) -> String {
-        let is_first = |piece: &Piece| match (piece, &place) {
-            (Piece::Heavy { what, rank: Rank::Front, .. }, Some(place)) => *what == format!("fronts of {place}"),
-            (Piece::Heavy { rank: Rank::Chart, .. }, None) => true,
-            _ => false,
-        };
-        let Some(at) = self.pieces.iter().position(is_first) else { return String::new() };
-        match self.pieces.remove(at) {
-            Piece::Heavy { html, .. } | Piece::Fixed(html) => html,
-        }
-    }
-
-    fn finish(self, head: String, copies: &str, foot: &str, room: usize) -> Page {
-        let (middle, dropped) = fit(&self.pieces, room);
-        let mut left_out =
-            "<section id=\"left-out\"><h2>Left out</h2>\n<p>Pictures of answers that do not lie beside their record. "
-                .to_owned();
-        left_out += "Charts of fronts by the other rules, PNGs and tables for programs: <code>tracebench report FOLDER</code> writes them \
-                     beside each record.</p>\n";
-        left_out += copies;
-        if dropped.is_empty() {
-            left_out += "<p>Nothing for want of room.</p>\n";
-        }
-        left_out += &listed("For want of room", &dropped);
-        left_out += "</section>\n";
-        Page { html: head + &middle + &left_out + foot, dropped }
-    }
-}
-
-fn head(names: &Names, sections: &Sections, first: &str, answer: &str) -> String {
-    let links: String =
-        sections.titles.iter().map(|(id, title)| format!("<li><a href=\"#{id}\">{title}</a></li>")).collect();
-    let choice = |what: &str, label: &str, all: &[String]| {
+/// What can be left out.
+fn choices(names: &Names) -> String {
+    let choice = |(what, label, all): (&str, &str, &Vec<String>)| {
         let one = |name: &String| {
             let name = escape(name);
             format!("<label><input type=\"checkbox\" name=\"{what}\" value=\"{name}\" checked> {name}</label>")
@@ -233,17 +220,8 @@ fn head(names: &Names, sections: &Sections, first: &str, answer: &str) -> String
             "<details class=\"choice\"><summary>{label} <output></output></summary><fieldset><legend>{label}</legend>{all}</fieldset></details>"
         )
     };
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\"><title>tracebench: which tracer to take</title>\n<style>{STYLE}</style></head>\n\
-         <body><header><h1>Which tracer to take</h1></header>\n{first}<nav aria-label=\"Sections\"><ul>{links}\
-         <li><a href=\"#left-out\">Left out</a></li><li><a href=\"#again\">Make it again</a></li></ul></nav>\n\
-         <form id=\"choice\" aria-label=\"What is shown\">{}{}{}<button type=\"reset\">Show all</button></form>\n<main>\n\
-         <section id=\"answer\">{answer}</section>\n",
-        choice("scene", "Scenes", &names.scenes),
-        choice("rays", "Ray sets", &names.rays),
-        choice("tracer", "Tracers", &names.tracers),
-    )
+    let Names { scenes, rays, tracers } = names;
+    [("scene", "Scenes", scenes), ("rays", "Ray sets", rays), ("tracer", "Tracers", tracers)].map(choice).concat()
 }
 
 /// Where every record is from.
@@ -256,10 +234,4 @@ fn sources(all: &[Read<'_>], names: &Names) -> String {
         fronts::details(&title, "", &write::plain_html(&page, 3, names))
     };
     all.iter().map(of).collect()
-}
-
-fn foot(again: &str) -> String {
-    format!(
-        "{again}</main>\n<div id=\"tip\" role=\"tooltip\" hidden></div>\n<script>{SCRIPT}</script>\n</body></html>\n"
-    )
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+pub(super) use crate::report::format::escape;
+
 /// What is kept first where there is no room for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
@@ -35,21 +37,11 @@ pub(super) enum Piece {
     },
 }
 
-/// Text that is nothing but text, in elements and in attributes.
-pub(super) fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            c if c.is_control() && c != '\n' => safe.push('\u{fffd}'),
-            c => safe.push(c),
-        }
+impl Piece {
+    /// One that may be left out.
+    pub(super) fn heavy(rank: Rank, what: impl Into<String>, tags: Tags<'_>, html: String) -> Self {
+        Self::Heavy { rank, what: what.into(), tags: tags.text(), html }
     }
-    safe
 }
 
 /// What a part belongs to, as attributes: who leaves it out leaves the part out.
@@ -63,7 +55,12 @@ pub(super) struct Tags<'a> {
     pub tracer: Option<&'a str>,
 }
 
-impl Tags<'_> {
+impl<'a> Tags<'a> {
+    /// Of a tracer alone.
+    pub(super) fn of_tracer(tracer: &'a str) -> Self {
+        Self { tracer: Some(tracer), ..Self::default() }
+    }
+
     /// These, and of others what these do not say.
     pub(super) fn or(self, others: Self) -> Self {
         Self {
@@ -133,11 +130,9 @@ mod tests {
     /// Proves that parts of the last rank go first, that the rest stays in its order, that what goes is told, and that the limit holds.
     #[test]
     fn what_matters_least_goes_first() {
-        let heavy = |rank, what: &str| Piece::Heavy {
-            rank,
-            what: what.to_owned(),
-            tags: Tags { scene: Some("a\"b"), ..Tags::default() }.text(),
-            html: format!("<i>{}</i>", what.repeat(300)),
+        let heavy = |rank, what: &str| {
+            let tags = Tags { scene: Some("a\"b"), ..Tags::default() };
+            Piece::heavy(rank, what, tags, format!("<i>{}</i>", what.repeat(300)))
         };
         let pieces = [
             Piece::Fixed("<p>head</p>".to_owned()),

@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use itertools::Itertools as _;
+
 use super::pieces::Tags;
 use crate::report::{RUN_FILE, group};
 use crate::results::{FrontPoint, FrontScene, ParetoRecord, Record, Row, said};
@@ -23,6 +25,13 @@ pub(super) struct Read<'a> {
     pub machine: usize,
 }
 
+impl Read<'_> {
+    /// Its machine.
+    pub(super) fn label(&self) -> String {
+        self.record.provenance.machine.label()
+    }
+}
+
 /// What the page is made of.
 #[derive(Debug)]
 pub(super) struct Records<'a> {
@@ -36,14 +45,10 @@ pub(super) struct Records<'a> {
 
 /// Reads records, and lists their machines. What is given twice, or lies elsewhere as the same, is one.
 pub(super) fn read(records: &[(String, Record)]) -> Records<'_> {
-    let mut machines: Vec<String> = Vec::new();
-    let mut number = |record: &Record| {
+    let machines = records.iter().map(|(_, record)| record.provenance.machine.label()).unique().collect_vec();
+    let number = |record: &Record| {
         let label = record.provenance.machine.label();
-        let known = machines.iter().position(|machine| *machine == label);
-        known.unwrap_or_else(|| {
-            machines.push(label);
-            machines.len() - 1
-        }) + 1
+        1 + machines.iter().position(|machine| *machine == label).unwrap_or(0)
     };
     let names = called(&records.iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>());
     let (mut all, mut copies) = (Vec::new(), Vec::new());
@@ -139,30 +144,14 @@ pub(super) struct Names {
 impl Names {
     /// Of records. Cases are scenes of their own, which the matrix alone shows.
     pub(super) fn of(records: &[Read<'_>]) -> Self {
-        fn add(names: &mut Vec<String>, name: &str) {
-            if names.iter().all(|known| known != name) {
-                names.push(name.to_owned());
-            }
+        let rows = || records.iter().flat_map(|read| &read.record.rows);
+        let of_scenes = || records.iter().filter(|read| read.record.cases.is_none()).flat_map(|read| &read.record.rows);
+        let rays = of_scenes().flat_map(|row| &row.traces).map(|trace| trace.rays.clone());
+        Self {
+            scenes: of_scenes().map(|row| row.scene.name.clone()).unique().collect(),
+            rays: rays.unique().collect(),
+            tracers: rows().map(|row| row.tracer.name.clone()).unique().collect(),
         }
-        let mut names = Self::default();
-        for read in records {
-            for row in &read.record.rows {
-                add(&mut names.tracers, &row.tracer.name);
-                if read.record.cases.is_none() {
-                    add(&mut names.scenes, &row.scene.name);
-                    row.traces.iter().for_each(|trace| add(&mut names.rays, &trace.rays));
-                }
-            }
-        }
-        names
-    }
-
-    fn scene(&self, name: &str) -> Option<&str> {
-        self.scenes.iter().find(|scene| *scene == name).map(String::as_str)
-    }
-
-    fn rays(&self, name: &str) -> Option<&str> {
-        self.rays.iter().find(|rays| *rays == name).map(String::as_str)
     }
 
     /// The tracer of a label, which may say more of it.
@@ -181,11 +170,14 @@ impl Names {
 
     /// What a row is about, by the headings of its columns.
     pub(super) fn of_row(&self, headings: &[&str], cells: &[&str]) -> Tags<'_> {
+        fn known<'a>(all: &'a [String], name: &str) -> Option<&'a str> {
+            all.iter().find(|known| *known == name).map(String::as_str)
+        }
         let mut tags = Tags::default();
         for (heading, cell) in headings.iter().zip(cells) {
             match *heading {
-                "scene" => tags.scene = tags.scene.or_else(|| self.scene(cell)),
-                "rays" => tags.rays = tags.rays.or_else(|| self.rays(cell)),
+                "scene" => tags.scene = tags.scene.or_else(|| known(&self.scenes, cell)),
+                "rays" => tags.rays = tags.rays.or_else(|| known(&self.rays, cell)),
                 "tracer" | "point" | "of" | "take" => tags.tracer = tags.tracer.or_else(|| self.tracer(cell)),
                 _ => {}
             }

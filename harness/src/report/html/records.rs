@@ -5,26 +5,25 @@ use std::cell::RefCell;
 use super::fronts::details;
 use super::pieces::{Piece, Rank, Tags};
 use super::read::{Names, Read};
-use super::write::{caption, figure, html};
-use crate::report::chart::{self, Drawing};
+use super::write::{caption, figure, html, plain_html};
+use crate::report::chart::Chart;
 use crate::report::document::Document;
 use crate::report::{Report, ReportError, SUMMARY, Section, Study, Tables};
 
 /// The pages of all records that are in a section.
 ///
 /// # Errors
-/// If a chart cannot be drawn.
+/// If a report cannot be made.
 pub(super) fn pages(
     records: &[Read<'_>],
     section: Section,
-    machines: &[String],
     names: &Names,
     tables: Tables,
 ) -> Result<Vec<Piece>, ReportError> {
     let mut pieces = Vec::new();
     for (read, study) in records.iter().map(|read| (read, Study::of(&read.record))) {
         if study.section == section {
-            pieces.extend(pages_of(read, &study.report(&read.record, tables)?, &machines[read.machine - 1], names)?);
+            pieces.extend(pages_of(read, &study.report(&read.record, tables)?, names));
         }
     }
     Ok(pieces)
@@ -32,67 +31,49 @@ pub(super) fn pages(
 
 /// Every page of a record, what it was made for first: before each its charts, then its text, which opens; what tells of every row in
 /// full has its charts within.
-fn pages_of(read: &Read<'_>, report: &Report, machine: &str, names: &Names) -> Result<Vec<Piece>, ReportError> {
+fn pages_of(read: &Read<'_>, report: &Report, names: &Names) -> Vec<Piece> {
     let mut pages: Vec<&(String, Document)> = report.pages.iter().collect();
     pages.sort_by_key(|(name, _)| name == SUMMARY);
     let mut pieces = Vec::new();
-    // What the writer meets of charts that cannot be drawn.
-    let failed: RefCell<Option<ReportError>> = RefCell::new(None);
-    let charts = |stem: &str, alt: &str, drawing: &Drawing, tags: Tags<'_>| {
-        drawn(drawing, alt, tags, read, machine, names).unwrap_or_else(|error| {
-            failed.borrow_mut().get_or_insert(chart::made(stem, &error));
-            Vec::new()
-        })
-    };
+    let charts = |alt: &str, chart: &Chart, tags: Tags<'_>| drawn(chart, alt, tags, read, names).into_iter();
     for (name, page) in pages {
         let title = format!("{} ({})", page.title().unwrap_or(name), read.name);
-        if name == SUMMARY {
-            let html = html(page, 3, names, &|stem, alt, drawing, tags| {
-                charts(stem, alt, drawing, tags).into_iter().map(|(_, html)| html).collect()
-            });
-            pieces.push(heavy(Rank::Full, format!("{name} of {}", read.name), details(&title, "", &html)));
-            continue;
-        }
         let above = RefCell::new(Vec::new());
-        let html = html(page, 3, names, &|stem, alt, drawing, tags| {
-            let heavy = |(of, html): (String, String)| heavy(Rank::Chart, format!("{stem}.svg of {of}"), html);
-            above.borrow_mut().extend(charts(stem, alt, drawing, tags).into_iter().map(heavy));
+        let html = html(page, 3, names, &|stem, alt, chart, tags| {
+            if name == SUMMARY {
+                return charts(alt, chart, tags).map(|(_, html)| html).collect();
+            }
+            let heavy = |(of, html): (String, String)| {
+                Piece::heavy(Rank::Chart, format!("{stem}.svg of {of}"), Tags::default(), html)
+            };
+            above.borrow_mut().extend(charts(alt, chart, tags).map(heavy));
             String::new()
         });
         pieces.extend(above.into_inner());
-        pieces.push(heavy(Rank::Page, title.clone(), details(&title, "", &html)));
+        let (rank, what) = match name == SUMMARY {
+            true => (Rank::Full, format!("{name} of {}", read.name)),
+            false => (Rank::Page, title.clone()),
+        };
+        pieces.push(Piece::heavy(rank, what, Tags::default(), details(&title, "", &html)));
     }
-    failed.into_inner().map_or(Ok(pieces), Err)
+    pieces
 }
 
 /// A chart with what it is of; one a tracer where its panels are of tracers, so that these can be left out.
-fn drawn(
-    drawing: &Drawing,
-    alt: &str,
-    tags: Tags<'_>,
-    read: &Read<'_>,
-    machine: &str,
-    names: &Names,
-) -> Result<Vec<(String, String)>, chart::DrawError> {
-    let parts = drawing.by_tracer();
-    if parts.is_empty() {
-        let html = figure(&drawing.svg()?, alt, &caption(alt, tags, machine), tags);
-        return Ok(vec![(read.name.clone(), html)]);
-    }
-    let part = |(tracer, part): &(String, Drawing)| {
-        let alt = format!("{tracer}, {alt}");
-        let tags = Tags { tracer: names.tracer(tracer), ..tags };
-        Ok((format!("{tracer} in {}", read.name), figure(&part.svg()?, &alt, &caption(&alt, tags, machine), tags)))
+fn drawn(chart: &Chart, alt: &str, tags: Tags<'_>, read: &Read<'_>, names: &Names) -> Vec<(String, String)> {
+    let one = |of: String, alt: &str, chart: &Chart, tags: Tags<'_>| {
+        (of, figure(&chart.svg(), alt, &caption(alt, tags, &read.label()), tags))
     };
-    parts.iter().map(part).collect()
+    let part = |(tracer, part): &(String, Chart)| {
+        let tags = Tags { tracer: names.tracer(tracer), ..tags };
+        one(format!("{tracer} in {}", read.name), &format!("{tracer}, {alt}"), part, tags)
+    };
+    let parts: Vec<_> = chart.by_tracer.iter().map(part).collect();
+    if parts.is_empty() { vec![one(read.name.clone(), alt, chart, tags)] } else { parts }
 }
 
 /// What a paper's claims come to.
 pub(super) fn claims(page: &Document, names: &Names) -> Piece {
     let title = page.title().unwrap_or("Claims");
-    heavy(Rank::Page, title.to_owned(), details(title, "", &super::write::plain_html(page, 3, names)))
-}
-
-fn heavy(rank: Rank, what: String, html: String) -> Piece {
-    Piece::Heavy { rank, what, tags: String::new(), html }
+    Piece::heavy(Rank::Page, title, Tags::default(), details(title, "", &plain_html(page, 3, names)))
 }

@@ -4,7 +4,8 @@ use itertools::Itertools as _;
 
 use crate::report::format::{mib, significant};
 use crate::report::frames;
-use crate::results::{AttackRecord, FramesRecord, NeedRecord, Record};
+use crate::report::group::gathered;
+use crate::results::{AttackRecord, FramesRecord, NeedRecord, Record, SearchRecord, config};
 use crate::statistics::median;
 use crate::studies::need;
 use crate::studies::stability::{Stability, Verdict};
@@ -40,16 +41,14 @@ fn cases(stability: &Stability) -> String {
 /// What part of each structure is needed.
 fn needs(record: &Record, section: &NeedRecord) -> Vec<String> {
     let curves = need::curves(record, section);
-    let own = || curves.iter().filter(|curve| curve.section.view == 0);
-    let place = |curve: &need::Curve<'_>| (curve.section.scene.clone(), curve.rays.to_owned());
-    let sentence = |(scene, rays): (String, String)| {
-        let here = own().filter(|curve| place(curve) == (scene.clone(), rays.clone()));
-        let part = |curve: &need::Curve<'_>| {
+    let own = curves.iter().filter(|curve| curve.section.view == 0);
+    let sentence = |((scene, rays), here): ((&String, &str), Vec<&need::Curve<'_>>)| {
+        let part = |curve: &&need::Curve<'_>| {
             let (whole, needed) = (curve.whole.bytes()?, curve.needed(false).bytes()?);
-            let name = format!("**{}{}**", curve.section.tracer, preset(&curve.section.preset));
-            (needed < whole).then(|| format!("{name} needs {} of {} MiB", mib(needed), mib(whole)))
+            let name = config(&curve.section.tracer, &curve.section.preset);
+            (needed < whole).then(|| format!("**{name}** needs {} of {} MiB", mib(needed), mib(whole)))
         };
-        let all: Vec<Option<String>> = here.map(part).collect();
+        let all: Vec<Option<String>> = here.iter().map(part).collect();
         let whole = all.iter().filter(|told| told.is_none()).count();
         let shrinks = all.into_iter().flatten().join(", ");
         format!(
@@ -57,11 +56,8 @@ fn needs(record: &Record, section: &NeedRecord) -> Vec<String> {
             if shrinks.is_empty() { "" } else { "; " }
         )
     };
-    own().map(place).unique().take(MAX_CASES).map(sentence).collect()
-}
-
-fn preset(name: &str) -> String {
-    if name == "published" { String::new() } else { format!(":{name}") }
+    let by_place = gathered(own.map(|curve| ((&curve.section.scene, curve.rays), curve)));
+    by_place.into_iter().take(MAX_CASES).map(sentence).collect()
 }
 
 /// Who is fastest in a frame, and who of those whose image hardly differs, or whose rays are all right.
@@ -70,10 +66,11 @@ fn frames_of(section: &FramesRecord) -> Vec<String> {
         let shown = frames::shown(section, scene, work);
         let timed = shown.iter().filter(|shown| !shown.series.is_control() && !shown.ms().is_empty());
         let timed: Vec<_> = timed.sorted_by(|a, b| median(&a.ms()).total_cmp(&median(&b.ms()))).collect();
-        let error = |shown: &frames::Shown<'_>| match (shown.flip().as_slice(), shown.right(2, false)) {
-            ([], right) => (right.map(|share| 1.0 - share), "the share of wrong rays"),
-            (flip, _) => (Some(median(flip)), "FLIP"),
-        };
+        let error =
+            |shown: &frames::Shown<'_>| match (shown.of_images(|image| image.flip).as_slice(), shown.right(2, false)) {
+                ([], right) => (right.map(|share| 1.0 - share), "the share of wrong rays"),
+                (flip, _) => (Some(median(flip)), "FLIP"),
+            };
         let told = |shown: &&frames::Shown<'_>| {
             let (value, what) = error(shown);
             let value = value.map_or_else(|| "unknown".to_owned(), |value| significant(value, 2));
@@ -94,10 +91,10 @@ fn frames_of(section: &FramesRecord) -> Vec<String> {
 
 /// How much more often every tracer is wrong at its worst pose.
 fn attacks(record: &Record, attack: &AttackRecord) -> String {
-    let share = |search: &crate::results::SearchRecord, viewpoint: &str| {
+    let share = |search: &SearchRecord, viewpoint: &str| {
         search.trace(record, viewpoint).and_then(|trace| attack.accuracy(trace)?.share)
     };
-    let told = |search: &crate::results::SearchRecord| {
+    let told = |search: &SearchRecord| {
         let worst = share(search, &search.found.first()?.viewpoint)?;
         let usual = share(search, attack.viewpoint_of(&search.scene))?;
         let [usual, worst] = [usual, worst].map(|share| significant(100.0 * share, 4));

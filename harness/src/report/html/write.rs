@@ -7,12 +7,12 @@ use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
 use super::pieces::{Tags, escape};
 use super::read::Names;
-use crate::report::chart::Drawing;
+use crate::report::chart::Chart;
 use crate::report::document::{Block, Document};
 use crate::report::sheet::{Cell, Table};
 
 /// Makes of a chart what is in its place: of its name, what it shows, itself and what it belongs to.
-pub(super) type Charts<'a> = dyn Fn(&str, &str, &Drawing, Tags<'_>) -> String + 'a;
+pub(super) type Charts<'a> = dyn Fn(&str, &str, &Chart, Tags<'_>) -> String + 'a;
 
 /// A document whose titles begin at a level.
 pub(super) fn html(document: &Document, level: usize, names: &Names, charts: &Charts<'_>) -> String {
@@ -41,9 +41,9 @@ pub(super) fn html(document: &Document, level: usize, names: &Names, charts: &Ch
                 writeln!(html, "{begin}<li>{}</li>{}", inline(words), if is_listed { "" } else { "\n</ul>" })
             }
             Block::Table(all) => write!(html, "{}", table(all, names)),
-            Block::Chart(stem, alt, drawing) => {
+            Block::Chart(stem, alt, chart) => {
                 let tags = open.iter().fold(Tags::default(), |all, (_, own)| own.or(all));
-                write!(html, "{}", charts(stem, alt, drawing, tags))
+                write!(html, "{}", charts(stem, alt, chart, tags))
             }
         };
     }
@@ -181,8 +181,9 @@ pub(super) fn figure(svg: &str, alt: &str, caption: &str, tags: Tags<'_>) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::chart::series::SeriesChart;
+    use crate::report::chart::series::{SeriesChart, series};
     use crate::report::document::Of;
+    use crate::report::fixture;
     use crate::report::sheet::Sheet;
 
     fn names() -> Names {
@@ -234,21 +235,10 @@ mod tests {
     #[test]
     fn nothing_leads_out() {
         let hostile = "<script>alert(1)</script> <img src=x onerror=y> [b](https://c.d) ![e](https://f.g/h.png) **k**";
+        let [stem, title, subtitle] = [const { String::new() }; 3];
+        let chart = SeriesChart { stem, title, subtitle, key: None, panels: Vec::new() };
         let page = Document::of(hostile)
-            .chart(
-                "j",
-                "i",
-                Drawing::Series(
-                    SeriesChart {
-                        stem: String::new(),
-                        title: String::new(),
-                        subtitle: String::new(),
-                        key: None,
-                        panels: Vec::new(),
-                    },
-                    String::new(),
-                ),
-            )
+            .chart("j", "i", series(&fixture::typical(), chart))
             .item(hostile)
             .table(cells(&["scene"], &[&["<b>hall"]]));
         let html = html(&page, 3, &names(), &|stem, alt, _, _| format!("[{stem} {alt}]"));

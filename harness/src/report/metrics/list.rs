@@ -1,6 +1,6 @@
-//! The figures: a new one is a constant and its place in [`METRICS`], which makes it a column of `rows.csv`.
+//! The figures: a new one stands where its column in `rows.csv` is to be.
 
-use tracebench_api::Query;
+use tracebench_api::Query::{self, Any, Closest};
 
 use super::Better::{Higher, Lower, Neither};
 use super::{
@@ -8,82 +8,154 @@ use super::{
     structure_alone, timed, used_bytes, wrong_tight,
 };
 use crate::report::sheet::Cell;
-use crate::results::{Judgement, PerRule, SurfaceJudgement, TraceRecord, host_ms};
+use crate::results::{ByRule, Classes, Judgement, Occlusion, PerRule, SurfaceJudgement, Times, TraceRecord, host_ms};
 
-/// Rays asked.
-pub(crate) const COUNT: Metric = plain("count_rays", |trace| Some(trace.count.into()));
-/// Traces a second.
-pub(crate) const SPEED: Metric = metric("mrays_per_s", "speed", "Mrays/s", Higher, |trace| {
-    Some(Cell::Measured(speed(trace)?, speed_interval(trace), 4))
-});
-/// Time of a trace.
-pub(crate) const TRACE_TIME: Metric =
-    metric("median_ms", "median time", "ms", Lower, |trace| timed(trace, (&trace.times).into()));
-/// Time of a trace as a program that is no tracer of this suite tells of itself.
-pub(crate) const SELF_REPORTED: Metric =
-    metric("self_reported_trace_ms", "self-reported time", "ms", Neither, |trace| {
+/// Declares figures as constants, and all of them as the columns of a table.
+macro_rules! figures {
+    ($($(#[$doc:meta])* $name:ident = $metric:expr;)+) => {
+        $($(#[$doc])* pub(crate) const $name: Metric = $metric;)+
+
+        /// Every figure of a trace, in the order of the table's columns. Shares are 0 to 1.
+        pub(crate) const METRICS: &[Metric] = &[$($name),+];
+    };
+}
+
+figures! {
+    /// Rays asked.
+    COUNT = plain("count_rays", |trace| Some(trace.count.into()));
+    /// Ambiguous rays.
+    AMBIGUOUS = metric("ambiguous_rays", "ambiguous", "rays", Neither, |trace| {
+        Some(trace.judgement.ambiguous().into())
+    });
+    /// Traces a second.
+    SPEED = metric("mrays_per_s", "speed", "Mrays/s", Higher, |trace| {
+        Some(Cell::Measured(speed(trace)?, speed_interval(trace), 4))
+    });
+    /// Time of a trace.
+    TRACE_TIME = metric("median_ms", "median time", "ms", Lower, |trace| timed(trace, (&trace.times).into()));
+    INTERVAL_COVERAGE = plain("interval_coverage_share", |trace| timed(trace, trace.times.interval_coverage.into()));
+    TRACE_HOST = plain("trace_host_ms", |trace| Some(host_ms(&trace.times).into()));
+    SAMPLES = plain("samples", |trace| Some((trace.times.samples_ms.len() as u64).into()));
+    PER_TRACE = plain("per_trace_bytes", |trace| Some(trace.per_trace_bytes.into()));
+    /// Time of a trace as a program that is no tracer of this suite tells of itself.
+    SELF_REPORTED = metric("self_reported_trace_ms", "self-reported time", "ms", Neither, |trace| {
         Some(trace.self_reported.as_ref()?.trace_ms?.into())
     });
-/// Time of the phases of a build, which records of before rules version 3 have alone.
-pub(crate) const BUILD_TIME: Metric = structure("build_median_ms", "build time", "ms", Lower, |row| {
-    Some(if row.build.steady.is_none() { (&row.build.times).into() } else { Cell::Absent })
-});
-/// Time of a first build, host clock.
-pub(crate) const FIRST_BUILD: Metric = structure("first_build_median_ms", "first build", "ms", Lower, |row| {
-    Some(row.build.first.as_deref().map_or(Cell::Absent, Cell::from))
-});
-/// Time of a steady build, host clock.
-pub(crate) const STEADY_BUILD: Metric = structure("steady_build_median_ms", "steady build", "ms", Lower, |row| {
-    Some(row.build.steady.as_deref().map_or(Cell::Absent, Cell::from))
-});
-/// Millions of triangles a second of a first build.
-pub(crate) const BUILD_RATE: Metric =
-    structure("build_mtriangles_per_s", "build rate", "Mtriangles/s", Higher, |row| {
+    SELF_REPORTED_BUILD = plain("self_reported_build_ms", |trace| Some(trace.self_reported.as_ref()?.build_ms?.into()));
+    /// Time of the phases of a build, which records of before rules version 3 have alone.
+    BUILD_TIME = structure("build_median_ms", "build time", "ms", Lower, |row| {
+        Some(if row.build.steady.is_none() { (&row.build.times).into() } else { Cell::Absent })
+    });
+    /// Time of a first build, host clock.
+    FIRST_BUILD = structure("first_build_median_ms", "first build", "ms", Lower, |row| built(&row.build.first));
+    /// Time of a steady build, host clock.
+    STEADY_BUILD = structure("steady_build_median_ms", "steady build", "ms", Lower, |row| built(&row.build.steady));
+    /// Millions of triangles a second of a first build.
+    BUILD_RATE = structure("build_mtriangles_per_s", "build rate", "Mtriangles/s", Higher, |row| {
         let times = row.build.first();
         let rate = |ms: f64| row.scene.triangles as f64 / (ms * 1e3);
         let [fast, slow] = times.interval_ms;
         (!times.samples_ms.is_empty() && fast > 0.0)
             .then(|| Cell::Measured(rate(times.median_ms), Some([rate(slow), rate(fast)]), 4))
     });
-/// Right about hit or miss.
-pub(crate) const HIT_MISS: Metric =
-    metric("agreement_hit_miss_share", "agreement hit_miss", "", Higher, |trace| right(trace, Query::Closest, 0));
-/// Right by the analytic rule.
-pub(crate) const TIGHT: Metric =
-    metric("agreement_tight_share", "agreement tight", "", Higher, |trace| right(trace, Query::Closest, 1));
-/// Right within a pixel.
-pub(crate) const FOOTPRINT: Metric =
-    metric("agreement_footprint_share", "agreement footprint", "", Higher, |trace| right(trace, Query::Closest, 2));
-/// How far hits are off.
-pub(crate) const POSITION: Metric =
-    metric("position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
+    BUILD_HOST = structure_alone("build_host_ms", |row| Some(host_ms(row.build.first()).into()));
+    SETUP = structure_alone("setup_ms", |row| Some(row.build.setup_ms.into()));
+    /// Allocated bytes of the structure.
+    STRUCTURE = structure("structure_bytes", "structure", "MiB", Lower, |row| bytes(row.memory.structure_bytes));
+    /// What of them is used.
+    USED = structure("structure_used_bytes", "used", "MiB", Lower, |row| bytes(used_bytes(row)));
+    BYTES_PER_TRIANGLE = structure_alone("bytes_per_triangle", |row| Some(per_triangle(row)[0].into()));
+    USED_BYTES_PER_TRIANGLE = structure_alone("used_bytes_per_triangle", |row| Some(per_triangle(row)[1].into()));
+    /// Geometry needed beside the structure.
+    GEOMETRY = structure("geometry_bytes", "geometry", "MiB", Lower, |row| bytes(row.memory.geometry_bytes));
+    /// The most held while building.
+    BUILD_PEAK = structure("build_peak_bytes", "build peak", "MiB", Lower, |row| bytes(row.memory.build_peak_bytes));
+    /// Right about hit or miss.
+    HIT_MISS = metric("agreement_hit_miss_share", "agreement hit_miss", "", Higher, |trace| right(trace, Closest, 0));
+    /// Right by the analytic rule.
+    TIGHT = metric("agreement_tight_share", "agreement tight", "", Higher, |trace| right(trace, Closest, 1));
+    /// Right within a pixel.
+    FOOTPRINT = metric("agreement_footprint_share", "agreement footprint", "", Higher, |trace| {
+        right(trace, Closest, 2)
+    });
+    /// How far hits are off.
+    POSITION = metric("position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
         Some(closest(trace)?.position_error.into())
     });
-/// Told hits near the piece of mesh that is truly hit.
-pub(crate) const WITHIN_TEXEL: Metric =
-    metric("within_common_texel_share", "within a common texel", "", Higher, |trace| {
+    /// Told hits near the piece of mesh that is truly hit.
+    WITHIN_TEXEL = metric("within_common_texel_share", "within a common texel", "", Higher, |trace| {
         let told = distance(trace)?;
         Some(Cell::Share(told.within_common_texel?, None, told.rays))
     });
-/// The same by the tracer's own texel.
-pub(crate) const WITHIN_OWN_TEXEL: Metric =
-    metric("within_own_texel_share", "within a texel of its own", "", Higher, |trace| {
+    /// The same by the tracer's own texel.
+    WITHIN_OWN_TEXEL = metric("within_own_texel_share", "within a texel of its own", "", Higher, |trace| {
         let told = distance(trace)?;
         Some(Cell::Share(told.within_own_texel?, None, told.rays))
     });
-/// How far told hits are from it.
-pub(crate) const SURFACE_DISTANCE: Metric =
-    metric("surface_distance_scene_units", "distance p50 / p95 / p99", "scene units", Lower, |trace| {
-        Some(distance(trace)?.distance.into())
+    /// How far told hits are from it.
+    SURFACE_DISTANCE =
+        metric("surface_distance_scene_units", "distance p50 / p95 / p99", "scene units", Lower, |trace| {
+            Some(distance(trace)?.distance.into())
+        });
+    /// The right triangle.
+    IDENTITY = metric("identity_share", "identity", "", Higher, |trace| {
+        let judgement = closest(trace)?;
+        Some(Cell::Share(judgement.identity?, None, judgement.classes.tight.true_hit))
     });
-/// The right triangle.
-pub(crate) const IDENTITY: Metric = metric("identity_share", "identity", "", Higher, |trace| {
-    let judgement = closest(trace)?;
-    Some(Cell::Share(judgement.identity?, None, judgement.classes.tight.true_hit))
-});
-/// Ambiguous rays.
-pub(crate) const AMBIGUOUS: Metric =
-    metric("ambiguous_rays", "ambiguous", "rays", Neither, |trace| Some(trace.judgement.ambiguous().into()));
+    WRONG_TIGHT = plain("wrong_tight_rays", |trace| Some(wrong_tight(&trace.judgement).into()));
+    TIGHT_TRUE_HIT = plain("tight_true_hit_rays", |trace| in_class(trace, |of| of.tight.true_hit));
+    TIGHT_TRUE_MISS = plain("tight_true_miss_rays", |trace| in_class(trace, |of| of.tight.true_miss));
+    TIGHT_FALSE_HIT = plain("tight_false_hit_rays", |trace| in_class(trace, |of| of.tight.false_hit));
+    TIGHT_FALSE_MISS = plain("tight_false_miss_rays", |trace| in_class(trace, |of| of.tight.false_miss));
+    TIGHT_EARLY = plain("tight_early_rays", |trace| in_class(trace, |of| of.tight.early));
+    TIGHT_LATE = plain("tight_late_rays", |trace| in_class(trace, |of| of.tight.late));
+    FOOTPRINT_TRUE_HIT = plain("footprint_true_hit_rays", |trace| in_class(trace, |of| of.footprint.true_hit));
+    FOOTPRINT_TRUE_MISS = plain("footprint_true_miss_rays", |trace| in_class(trace, |of| of.footprint.true_miss));
+    FOOTPRINT_FALSE_HIT = plain("footprint_false_hit_rays", |trace| in_class(trace, |of| of.footprint.false_hit));
+    FOOTPRINT_FALSE_MISS = plain("footprint_false_miss_rays", |trace| in_class(trace, |of| of.footprint.false_miss));
+    FOOTPRINT_EARLY = plain("footprint_early_rays", |trace| in_class(trace, |of| of.footprint.early));
+    FOOTPRINT_LATE = plain("footprint_late_rays", |trace| in_class(trace, |of| of.footprint.late));
+    /// Right about occlusion.
+    BALANCED = metric("balanced_accuracy_share", "balanced accuracy", "", Higher, |trace| right(trace, Any, 0));
+    /// Rays rightly said to be occluded.
+    TRUE_OCCLUDED = metric("true_occluded_rays", "rightly occluded", "", Neither, |trace| {
+        of_any(trace, |of| of.true_occluded)
+    });
+    /// Rays rightly said to be free.
+    TRUE_FREE = metric("true_free_rays", "rightly free", "", Neither, |trace| of_any(trace, |of| of.true_free));
+    /// Rays wrongly said to be occluded.
+    FALSE_OCCLUDED = metric("false_occluded_rays", "wrongly occluded", "", Lower, |trace| {
+        of_any(trace, |of| of.false_occluded)
+    });
+    /// Rays wrongly said to be free.
+    FALSE_FREE = metric("false_free_rays", "wrongly free", "", Lower, |trace| of_any(trace, |of| of.false_free));
+    /// Surfaces that are right.
+    SURFACES = metric("surface_agreement_share", "surfaces", "", Higher, |trace| {
+        let judged = trace.surfaces.as_ref()?;
+        Some(Cell::Share(judged.agreement?, judged.interval, judged.judged))
+    });
+    SURFACE_JUDGED = plain("surface_judged_rays", |trace| Some(trace.surfaces.as_ref()?.judged.into()));
+    /// Surfaces that were not found.
+    LOST = metric("surface_lost_rays", "lost", "rays", Lower, |trace| Some(trace.surfaces.as_ref()?.lost.into()));
+    /// Surfaces of the right material.
+    MATERIAL = metric("surface_material_share", "material", "", Higher, |trace| surfaces(trace, |of| of.material));
+    /// Surfaces with the right normal.
+    NORMAL = metric("surface_normal_share", "normal", "", Higher, |trace| surfaces(trace, |of| of.normal));
+    /// Surfaces in the right place.
+    POSITION_OF_SURFACE = metric("surface_position_share", "position", "", Higher, |trace| {
+        surfaces(trace, |of| of.position)
+    });
+    /// How far normals are off.
+    NORMAL_ERROR = metric("surface_normal_error_degrees", "normal error p50 / p95 / p99", "degrees", Lower, |trace| {
+        Some(trace.surfaces.as_ref()?.normal_error_degrees.into())
+    });
+    /// How far surfaces are off.
+    POSITION_ERROR_OF_SURFACE =
+        metric("surface_position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
+            Some(trace.surfaces.as_ref()?.position_error.into())
+        });
+}
+
 /// The agreements without them, by rule.
 pub(crate) const WITHOUT_AMBIGUOUS: Metric = metric(
     "agreement_without_ambiguous_share",
@@ -98,133 +170,35 @@ pub(crate) const WITHOUT_AMBIGUOUS: Metric = metric(
         Some(Cell::Shares([hit_miss, tight, footprint], trace.count.saturating_sub(trace.judgement.ambiguous())))
     },
 );
-/// Right about occlusion.
-pub(crate) const BALANCED: Metric =
-    metric("balanced_accuracy_share", "balanced accuracy", "", Higher, |trace| right(trace, Query::Any, 0));
-/// Rays rightly said to be occluded.
-pub(crate) const TRUE_OCCLUDED: Metric = metric("true_occluded_rays", "rightly occluded", "", Neither, |trace| {
-    Some(any(trace)?.occlusion.true_occluded.into())
-});
-/// Rays rightly said to be free.
-pub(crate) const TRUE_FREE: Metric =
-    metric("true_free_rays", "rightly free", "", Neither, |trace| Some(any(trace)?.occlusion.true_free.into()));
-/// Rays wrongly said to be occluded.
-pub(crate) const FALSE_OCCLUDED: Metric = metric("false_occluded_rays", "wrongly occluded", "", Lower, |trace| {
-    Some(any(trace)?.occlusion.false_occluded.into())
-});
-/// Rays wrongly said to be free.
-pub(crate) const FALSE_FREE: Metric =
-    metric("false_free_rays", "wrongly free", "", Lower, |trace| Some(any(trace)?.occlusion.false_free.into()));
-/// Surfaces that are right.
-pub(crate) const SURFACES: Metric = metric("surface_agreement_share", "surfaces", "", Higher, |trace| {
-    let judged = trace.surfaces.as_ref()?;
-    Some(Cell::Share(judged.agreement?, judged.interval, judged.judged))
-});
-/// Surfaces that were not found.
-pub(crate) const LOST: Metric =
-    metric("surface_lost_rays", "lost", "rays", Lower, |trace| Some(trace.surfaces.as_ref()?.lost.into()));
-/// Surfaces of the right material.
-pub(crate) const MATERIAL: Metric =
-    metric("surface_material_share", "material", "", Higher, |trace| of_surfaces(trace, |judged| judged.material));
-/// Surfaces with the right normal.
-pub(crate) const NORMAL: Metric =
-    metric("surface_normal_share", "normal", "", Higher, |trace| of_surfaces(trace, |judged| judged.normal));
-/// Surfaces in the right place.
-pub(crate) const POSITION_OF_SURFACE: Metric =
-    metric("surface_position_share", "position", "", Higher, |trace| of_surfaces(trace, |judged| judged.position));
-/// How far normals are off.
-pub(crate) const NORMAL_ERROR: Metric =
-    metric("surface_normal_error_degrees", "normal error p50 / p95 / p99", "degrees", Lower, |trace| {
-        Some(trace.surfaces.as_ref()?.normal_error_degrees.into())
-    });
-/// How far surfaces are off.
-pub(crate) const POSITION_ERROR_OF_SURFACE: Metric =
-    metric("surface_position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
-        Some(trace.surfaces.as_ref()?.position_error.into())
-    });
-/// Allocated bytes of the structure.
-pub(crate) const STRUCTURE: Metric =
-    structure("structure_bytes", "structure", "MiB", Lower, |row| Some(Cell::Bytes(row.memory.structure_bytes as f64)));
-/// What of them is used.
-pub(crate) const USED: Metric =
-    structure("structure_used_bytes", "used", "MiB", Lower, |row| Some(Cell::Bytes(used_bytes(row) as f64)));
-/// Geometry needed beside the structure.
-pub(crate) const GEOMETRY: Metric =
-    structure("geometry_bytes", "geometry", "MiB", Lower, |row| Some(Cell::Bytes(row.memory.geometry_bytes as f64)));
-/// The most held while building.
-pub(crate) const BUILD_PEAK: Metric = structure("build_peak_bytes", "build peak", "MiB", Lower, |row| {
-    Some(Cell::Bytes(row.memory.build_peak_bytes as f64))
-});
 
-/// Every figure of a trace, in the order of the table's columns. Shares are 0 to 1.
-pub(crate) const METRICS: &[Metric] = &[
-    COUNT,
-    AMBIGUOUS,
-    SPEED,
-    TRACE_TIME,
-    plain("interval_coverage_share", |trace| timed(trace, trace.times.interval_coverage.into())),
-    plain("trace_host_ms", |trace| Some(host_ms(&trace.times).into())),
-    plain("samples", |trace| Some((trace.times.samples_ms.len() as u64).into())),
-    plain("per_trace_bytes", |trace| Some(trace.per_trace_bytes.into())),
-    SELF_REPORTED,
-    plain("self_reported_build_ms", |trace| Some(trace.self_reported.as_ref()?.build_ms?.into())),
-    BUILD_TIME,
-    FIRST_BUILD,
-    STEADY_BUILD,
-    BUILD_RATE,
-    structure_alone("build_host_ms", |row| Some(host_ms(row.build.first()).into())),
-    structure_alone("setup_ms", |row| Some(row.build.setup_ms.into())),
-    STRUCTURE,
-    USED,
-    structure_alone("bytes_per_triangle", |row| Some(per_triangle(row)[0].into())),
-    structure_alone("used_bytes_per_triangle", |row| Some(per_triangle(row)[1].into())),
-    GEOMETRY,
-    BUILD_PEAK,
-    HIT_MISS,
-    TIGHT,
-    FOOTPRINT,
-    POSITION,
-    WITHIN_TEXEL,
-    WITHIN_OWN_TEXEL,
-    SURFACE_DISTANCE,
-    IDENTITY,
-    plain("wrong_tight_rays", |trace| Some(wrong_tight(&trace.judgement).into())),
-    plain("tight_true_hit_rays", |trace| Some(closest(trace)?.classes.tight.true_hit.into())),
-    plain("tight_true_miss_rays", |trace| Some(closest(trace)?.classes.tight.true_miss.into())),
-    plain("tight_false_hit_rays", |trace| Some(closest(trace)?.classes.tight.false_hit.into())),
-    plain("tight_false_miss_rays", |trace| Some(closest(trace)?.classes.tight.false_miss.into())),
-    plain("tight_early_rays", |trace| Some(closest(trace)?.classes.tight.early.into())),
-    plain("tight_late_rays", |trace| Some(closest(trace)?.classes.tight.late.into())),
-    plain("footprint_true_hit_rays", |trace| Some(closest(trace)?.classes.footprint.true_hit.into())),
-    plain("footprint_true_miss_rays", |trace| Some(closest(trace)?.classes.footprint.true_miss.into())),
-    plain("footprint_false_hit_rays", |trace| Some(closest(trace)?.classes.footprint.false_hit.into())),
-    plain("footprint_false_miss_rays", |trace| Some(closest(trace)?.classes.footprint.false_miss.into())),
-    plain("footprint_early_rays", |trace| Some(closest(trace)?.classes.footprint.early.into())),
-    plain("footprint_late_rays", |trace| Some(closest(trace)?.classes.footprint.late.into())),
-    BALANCED,
-    TRUE_OCCLUDED,
-    TRUE_FREE,
-    FALSE_OCCLUDED,
-    FALSE_FREE,
-    SURFACES,
-    plain("surface_judged_rays", |trace| Some(trace.surfaces.as_ref()?.judged.into())),
-    LOST,
-    MATERIAL,
-    NORMAL,
-    POSITION_OF_SURFACE,
-    NORMAL_ERROR,
-    POSITION_ERROR_OF_SURFACE,
-];
+/// Times of builds, which not every record tells.
+fn built(times: &Option<Box<Times>>) -> Option<Cell> {
+    Some(times.as_deref().map_or(Cell::Absent, Cell::from))
+}
+
+fn bytes(count: u64) -> Option<Cell> {
+    Some(Cell::Bytes(count as f64))
+}
+
+/// Rays of a class, of closest hits.
+fn in_class(trace: &TraceRecord, of: fn(&ByRule<Classes>) -> u64) -> Option<Cell> {
+    Some(of(&closest(trace)?.classes).into())
+}
+
+/// Rays of any hits.
+fn of_any(trace: &TraceRecord, of: fn(&Occlusion) -> u64) -> Option<Cell> {
+    Some(of(&any(trace)?.occlusion).into())
+}
 
 /// One of the accuracies of a trace of a query.
 fn right(trace: &TraceRecord, query: Query, place: usize) -> Option<Cell> {
-    let of_query = matches!(trace.judgement, Judgement::Closest(_)) == (query == Query::Closest);
+    let of_query = matches!(trace.judgement, Judgement::Closest(_)) == (query == Closest);
     let found = right_of(trace).get(place).copied().filter(|_| of_query);
     found.map(Cell::Accuracy)
 }
 
 /// A share of surfaces that were judged.
-fn of_surfaces(trace: &TraceRecord, of: fn(&SurfaceJudgement) -> Option<f64>) -> Option<Cell> {
+fn surfaces(trace: &TraceRecord, of: fn(&SurfaceJudgement) -> Option<f64>) -> Option<Cell> {
     let judged = trace.surfaces.as_ref()?;
     Some(Cell::Share(of(judged)?, None, judged.judged))
 }

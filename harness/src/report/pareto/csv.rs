@@ -1,7 +1,9 @@
 //! The tables of fronts: what is told of points, a row an operating point, a row a pair of methods.
 
+use std::collections::BTreeMap;
 use std::ptr;
 
+use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::Shown;
@@ -20,59 +22,66 @@ fn rules() -> Vec<By> {
 
 /// The rules and costs by which a point stands to a front, in the order of columns.
 fn kinds(section: &ParetoRecord) -> Vec<(By, Cost)> {
-    let costs = Cost::all(&section.rays_per_pixel);
-    rules().into_iter().flat_map(|by| costs.iter().map(move |cost| (by, *cost)).collect::<Vec<_>>()).collect()
+    rules().into_iter().cartesian_product(Cost::all(&section.rays_per_pixel)).collect()
 }
 
-/// How entries stand to their own front, by their places.
-fn named<'a>(field: &Field<'a>, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(usize, &'static str)> {
-    let front_statuses = field.front_statuses(entries, cost, by).into_iter();
-    front_statuses.map(|(entry, _, front_status)| (entry.index, front_status.name())).collect()
+/// The front of all, and that of a point's own tracer, as columns name them.
+const FRONTS: [&str; 2] = ["front", "own_front"];
+
+/// How a column of standings is called.
+fn standing(front: &str, (by, cost): (By, Cost)) -> String {
+    format!("{front}_{}_{}", by.name(), cost.code())
 }
 
-/// By kind how every entry stands to the front of all, and to its tracer's own.
-type Standings = Vec<[Vec<(usize, &'static str)>; 2]>;
+/// How entries stand to fronts, by their places and the names of columns.
+type Standings = BTreeMap<(usize, String), &'static str>;
 
-fn front_statuses(field: &Field<'_>, kinds: &[(By, Cost)]) -> Standings {
-    let of_kind = |(by, cost): &(By, Cost)| {
-        if !By::all(field.query).contains(by) {
-            return [Vec::new(), Vec::new()];
+fn standings<'a>(field: &Field<'a>, kinds: &[(By, Cost)]) -> Standings {
+    let mut all = Standings::new();
+    let mut add = |front: &str, entries: &[Entry<'a>], (by, cost): (By, Cost)| {
+        for (entry, _, status) in field.front_statuses(entries, cost, by) {
+            all.insert((entry.index, standing(front, (by, cost))), status.name());
         }
-        let of_tracer = |tracer| named(field, &field.of_tracer(tracer), *cost, *by);
-        let own = field.tracers().into_iter().flat_map(of_tracer).collect();
-        [named(field, &field.entries, *cost, *by), own]
     };
-    kinds.iter().map(of_kind).collect()
+    for kind in kinds.iter().filter(|(by, _)| By::all(field.query).contains(by)) {
+        add(FRONTS[0], &field.entries, *kind);
+        field.tracers().into_iter().for_each(|tracer| add(FRONTS[1], &field.of_tracer(tracer), *kind));
+    }
+    all
 }
 
 /// A point on a ray set.
 pub(super) struct Point<'a> {
     field: &'a Field<'a>,
     entry: &'a Entry<'a>,
-    front_statuses: &'a Standings,
+    standings: &'a Standings,
 }
 
 /// Every field with the standings of its points.
 pub(super) fn fields<'a>(record: &ParetoRecord, shown: &'a [Shown<'a>]) -> Vec<(&'a Field<'a>, Standings)> {
     let kinds = kinds(record);
-    shown.iter().flat_map(|scene| &scene.fronts.fields).map(|field| (field, front_statuses(field, &kinds))).collect()
+    shown.iter().flat_map(|scene| &scene.fronts.fields).map(|field| (field, standings(field, &kinds))).collect()
 }
 
 /// The point of a row.
 pub(super) fn point<'a>(fields: &'a [(&'a Field<'a>, Standings)], trace: &TraceRecord) -> Option<Point<'a>> {
-    fields.iter().find_map(|(field, front_statuses)| {
+    fields.iter().find_map(|(field, standings)| {
         let entry = field.entries.iter().find(|entry| ptr::eq(entry.trace, trace))?;
-        Some(Point { field, entry, front_statuses })
+        Some(Point { field, entry, standings })
     })
 }
 
 /// What is told of points: what they have on their axes, what they cost, and how they stand to fronts.
 pub(super) fn points<'a>(section: &ParetoRecord) -> Sheet<'a, Point<'a>> {
+    let fronts = kinds(section).into_iter().cartesian_product(FRONTS).map(|(kind, front)| {
+        let name = standing(front, kind);
+        Column::csv(name.clone(), move |row: &Point<'a>| row.standings.get(&(row.entry.index, name.clone())).copied())
+    });
     Sheet::<Point<'_>>::new()
         .csv_column("order", |row| row.entry.point.order)
         .json("values_json", |row| &row.entry.point.values)
         .with(Cost::all(&section.rays_per_pixel).into_iter().map(cost).collect())
-        .with(kinds(section).into_iter().enumerate().flat_map(|(place, kind)| fronts(place, kind)).collect())
+        .with(fronts.collect())
 }
 
 /// What a point costs.
@@ -84,17 +93,6 @@ fn cost<'a>(cost: Cost) -> Column<'a, Point<'a>> {
         Cost::Frame(_) => format!("{}_ms", cost.code()),
     };
     Column::csv(name, move |row: &Point<'a>| row.field.cost(row.entry, cost))
-}
-
-/// How a point stands to the front of all, and to its tracer's own.
-fn fronts<'a>(place: usize, (by, cost): (By, Cost)) -> Columns<'a, Point<'a>> {
-    let column = |(whose, front): (usize, &str)| {
-        Column::csv(format!("{front}_{}_{}", by.name(), cost.code()), move |row: &Point<'a>| {
-            let found = row.front_statuses[place][whose].iter().find(|(index, _)| *index == row.entry.index);
-            found.map(|(_, name)| *name)
-        })
-    };
-    ["front", "own_front"].into_iter().enumerate().map(column).collect()
 }
 
 /// An operating point: by rule, level, tracer or all of them, and aim.
@@ -210,14 +208,6 @@ impl Pair<'_> {
             BreakEven::Undecided(_) => "undecided",
         }
     }
-
-    /// From how many rays on, with its interval, and whether so many were measured.
-    fn at(&self) -> Option<(f64, [f64; 2], bool)> {
-        match self.found {
-            BreakEven::At { rays, interval, beyond_measured, .. } => Some((rays, interval, beyond_measured)),
-            BreakEven::Always(_) | BreakEven::Undecided(_) => None,
-        }
-    }
 }
 
 /// One of a pair.
@@ -261,8 +251,10 @@ pub(super) fn break_even_counts(shown: &[Shown<'_>]) -> Table {
         .with(one_of(1, "other"))
         .csv_column("verdict", Pair::verdict)
         .csv_column("cheaper_below", Pair::cheaper)
-        .csv_column("rays_a_frame", |row| row.at().map(|(rays, interval, _)| Cell::Measured(rays, Some(interval), 4)))
-        .csv_column("beyond_measured", |row| row.at().map(|(.., beyond_measured)| beyond_measured))
-        .csv_column("why", |row| if let BreakEven::Undecided(why) = &row.found { Some(why.clone()) } else { None });
+        .csv_column("rays_a_frame", |row| {
+            row.found.at().map(|(rays, interval, _)| Cell::Measured(rays, Some(interval), 4))
+        })
+        .csv_column("beyond_measured", |row| row.found.at().map(|(.., beyond_measured)| beyond_measured))
+        .csv_column("why", |row| row.found.undecided().map(str::to_owned));
     sheet.table(&rows)
 }

@@ -6,7 +6,7 @@ pub(in crate::report) mod page;
 pub(in crate::report) mod tests;
 
 use super::group::{groups, stems};
-use super::{Report, ReportError, Tables, format, metrics, rows};
+use super::{Report, format, metrics, rows};
 use crate::results::{FrontScene, ParetoRecord, Record};
 use crate::studies::pareto::{Amount, Cost, Field, SceneFronts, scene_fronts};
 
@@ -30,11 +30,11 @@ impl Shown<'_> {
 }
 
 /// What is made of fronts: page, tables and charts.
-pub(super) fn report(record: &Record, _: Tables) -> Result<Report, ReportError> {
-    let Some(section) = &record.pareto else { return Ok(Report::default()) };
+pub(super) fn report(record: &Record) -> Option<Report> {
+    let section = record.pareto.as_ref()?;
     let shown = shown(record, section);
     let (groups, fields) = (groups(record), csv::fields(section, &shown));
-    Ok(rows(record, &groups, csv::points(section), |(.., (.., trace))| csv::point(&fields, trace)).and(Report {
+    Some(rows(record, &groups, csv::points(section), |(.., (.., trace))| csv::point(&fields, trace)).and(Report {
         pages: vec![(PARETO_PAGE.to_owned(), page::page(record, section, &shown))],
         tables: vec![
             ("operating_points.csv".to_owned(), csv::operating(&shown)),

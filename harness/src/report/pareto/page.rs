@@ -6,7 +6,7 @@ use itertools::Itertools as _;
 
 use super::{Shown, as_read, cost_name, csv};
 use crate::rays::shared_centres;
-use crate::report::chart::{self, Drawing};
+use crate::report::chart::{break_even, front};
 use crate::report::document::{Document, set_heading};
 use crate::report::format::{percent, percent_with_interval, significant, thousands};
 use crate::report::markdown::literal;
@@ -14,8 +14,8 @@ use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{format, metrics, summary};
 use crate::results::{MIN_ROUNDS, ParetoRecord, Record};
 use crate::studies::pareto::{
-    Aim, Amount, BreakEven, By, Check, Class, Cost, Entry, Field, FrontStatus, LEVELS, Wrong, best, check, classes,
-    contested, farthest,
+    Aim, Amount, By, Check, Class, Cost, Entry, Field, FrontStatus, LEVELS, Wrong, best, check, classes, contested,
+    farthest,
 };
 
 /// The share of rays through samples from which on a page warns.
@@ -137,10 +137,10 @@ pub(in crate::report) fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_
 fn by_rule(record: &Record, section: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     let name = by.name();
     let stem = |what: &str| scene.chart(field.rays, &format!("{name}{what}"));
-    let fronts = Drawing::Fronts(chart::fronts(record, section, field, by));
+    let fronts = front::fronts(record, section, field, by);
     let mut page = Document::default().heading(4, format!("By {name}")).chart(stem(""), "fronts", fronts);
-    if let Some(matched) = chart::matched_fronts(record, section, field, by) {
-        page = page.chart(stem("_matched"), "fronts at matched bytes and build time", Drawing::Fronts(matched));
+    if let Some(matched) = front::matched(record, section, field, by) {
+        page = page.chart(stem("_matched"), "fronts at matched bytes and build time", matched);
     }
     page.and([
         operating_points(scene, field, by),
@@ -248,7 +248,11 @@ pub(in crate::report) fn front_points<'a>(
     let of_cost = |(place, cost): (usize, &Cost)| {
         let cost = *cost;
         Column::new(cost_name(cost), move |(entry, _, marks): &OnFront<'_>| {
-            format!("{}{}", marks[place], cost_cell(field, entry, cost).describe())
+            let read = match field.cost(entry, cost).map(|amount| as_read(field, cost, amount)) {
+                Some(Amount { value, interval }) if interval == [value; 2] => Cell::from(value),
+                amount => amount.into(),
+            };
+            format!("{}{}", marks[place], read.describe())
         })
     };
     let sheet = Sheet::<OnFront<'_>>::new()
@@ -259,26 +263,16 @@ pub(in crate::report) fn front_points<'a>(
             format!("{}{bound}", share.describe())
         })
         .with(costs.iter().enumerate().map(of_cost).collect());
-    let windows = if record.rows.iter().any(|row| row.resident_batch > 0) {
-        " Not all points were timed in one resident batch."
-    } else {
-        ""
-    };
-    let few = record.interleaved_sets.iter().any(|interleaved_set| interleaved_set.orders.len() < MIN_ROUNDS as usize);
-    let few = if few {
-        format!(" Times of fewer than {MIN_ROUNDS} rounds tell no two points apart: they are within noise.")
-    } else {
-        String::new()
-    };
-    let how = "● on the front of all tracers, ○ within noise of it: no point of the front is better by more than noise, in cost or in error.";
-    Document::of(format!("{how}{windows}{few}")).table(sheet.table(&rows))
-}
-
-fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> Cell {
-    match field.cost(entry, cost).map(|amount| as_read(field, cost, amount)) {
-        Some(Amount { value, interval }) if interval == [value; 2] => value.into(),
-        amount => amount.into(),
+    let mut words =
+        "● on the front of all tracers, ○ within noise of it: no point of the front is better by more than noise, in cost or in error."
+            .to_owned();
+    if record.rows.iter().any(|row| row.resident_batch > 0) {
+        words += " Not all points were timed in one resident batch.";
     }
+    if record.interleaved_sets.iter().any(|set| set.orders.len() < MIN_ROUNDS as usize) {
+        words += &format!(" Times of fewer than {MIN_ROUNDS} rounds tell no two points apart: they are within noise.");
+    }
+    Document::of(words).table(sheet.table(&rows))
 }
 
 /// Who is cheapest at how many rays a frame.
@@ -301,12 +295,19 @@ pub(in crate::report) fn break_even(
     let sheet = Sheet::<Cheapest<'_>>::new()
         .column("at least", |(class, _)| asked(class.level))
         .column("geometry", |(class, _)| class.motion.name())
-        .column("rays a frame", |row| match break_even(row) {
-            Some((found, _)) => from_rays(&found),
-            None => Some("few".to_owned()),
+        .column("rays a frame", |row| {
+            let Some((found, _)) = break_even(row) else { return Some("few".to_owned()) };
+            let (rays, [low, high], beyond_measured) = found.at()?;
+            let [rays, low, high] = [rays, low, high].map(|rays| thousands(rays.round().max(0.0) as u64));
+            let beyond = if beyond_measured { ", beyond what was measured" } else { "" };
+            Some(format!("{rays} [{low}, {high}]{beyond}"))
         })
         .column("cheapest", |(class, place)| label(class, class.stretches[*place].who))
-        .column("overtakes", |row| break_even(row).map(|(found, before)| overtaken(&found, before)));
+        .column("overtakes", |row| {
+            let (found, before) = break_even(row)?;
+            let why = found.undecided().map_or_else(String::new, |why| format!(": undecided, {why}"));
+            Some(before + &why)
+        });
     let how = "Break-even, between points that are right as often: who is cheapest from how many rays a frame on (*static*: \
                     structures are kept; *refitted*: to moved vertices, built where a method cannot; *rebuilt*: in every frame)";
     if rows.is_empty() {
@@ -319,29 +320,10 @@ pub(in crate::report) fn break_even(
     if contested.is_empty() {
         return page;
     }
-    let drawing = Drawing::Panels(chart::break_even::chart(record, section, field, &contested));
-    page.chart(scene.chart(field.rays, "break_even"), "break-even", drawing)
+    let chart = break_even::chart(record, section, field, &contested);
+    page.chart(scene.chart(field.rays, "break_even"), "break-even", chart)
 }
 
 fn label(class: &Class<'_>, who: usize) -> String {
     class.costs.get(who).map_or_else(String::new, |cost| cost.entry.point.label())
-}
-
-/// From how many rays on.
-fn from_rays(found: &BreakEven) -> Option<String> {
-    match found {
-        BreakEven::At { rays, interval: [low, high], beyond_measured, .. } => {
-            let count = |rays: f64| thousands(rays.round().max(0.0) as u64);
-            let beyond = if *beyond_measured { ", beyond what was measured" } else { "" };
-            Some(format!("{} [{}, {}]{beyond}", count(*rays), count(*low), count(*high)))
-        }
-        BreakEven::Always(_) | BreakEven::Undecided(_) => None,
-    }
-}
-
-fn overtaken(found: &BreakEven, before: String) -> String {
-    match found {
-        BreakEven::Undecided(why) => format!("{before}: undecided, {why}"),
-        BreakEven::Always(_) | BreakEven::At { .. } => before,
-    }
 }

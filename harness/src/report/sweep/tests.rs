@@ -197,7 +197,7 @@ fn no_speed_without_accuracy() {
     let page = |record: &Record| {
         let groups = crate::report::group::groups(record);
         let sweep = record.sweep.as_ref().unwrap();
-        super::page::page(record, sweep, &super::views(sweep, &groups)).markdown()
+        super::page(record, sweep, &super::views(sweep, &groups)).markdown()
     };
     let speeds = |page: &str| page.lines().filter(|line| line.starts_with("| 1 |") && line.contains("| 4.0")).count();
     assert_eq!(speeds(&page(&record)), 1, "{}", page(&record));

@@ -263,7 +263,7 @@ fn the_table_tells_what_each_value_loses() {
 #[test]
 fn the_page_labels_values_honestly() {
     let made = typical();
-    let page = super::page::page(&made).markdown();
+    let page = super::page(&made).markdown();
     for wanted in
         ["| default | 0.001 |", "| tuned here | 0.01 |", "| tuned elsewhere | 0.02 |", "tuned on the other scenes"]
     {
@@ -278,25 +278,25 @@ fn the_page_labels_values_honestly() {
         set.values.iter_mut().for_each(|each| each.judged = first.clone());
     }
     choose(&mut same.scenes, "0.001", Rule::Footprint);
-    let page = super::page::page(&same).markdown();
+    let page = super::page(&same).markdown();
     assert!(!page.contains("**+") && !page.contains("**-") && page.contains("| tuned here | 0 |"), "{page}");
     let mut invalid = made.clone();
     invalid.scenes[1].views[1].controls.remove(0);
-    let page = super::page::page(&invalid).markdown();
+    let page = super::page(&invalid).markdown();
     assert!(
         page.contains("**the record is invalid**: oracle is missing on diffuse of hall, viewpoint window"),
         "{page}"
     );
     let mut wrong = made;
     wrong.scenes[0].views[0].controls[0].traces = wrong.scenes[0].views[0].controls[1].traces.clone();
-    assert!(super::page::page(&wrong).markdown().contains("oracle fails on diffuse of room, viewpoint door"));
+    assert!(super::page(&wrong).markdown().contains("oracle fails on diffuse of room, viewpoint door"));
 }
 
 /// Proves that one viewpoint, one scene and nothing but ambiguous rays leave a page that says so.
 #[test]
 fn nothing_to_choose_by() {
     let mut made = tuning(&VALUES, &["room"], 1, &SETS[..1]);
-    let page = super::page::page(&made).markdown();
+    let page = super::page(&made).markdown();
     assert_eq!(page.matches("| tuned elsewhere | nothing to choose by |").count(), 1, "{page}");
     for value in &mut made.scenes[0].views[0].sets[0].values {
         if let Some(Judged { judgement: Judgement::Closest(judgement), .. }) = &mut value.judged {
@@ -304,7 +304,7 @@ fn nothing_to_choose_by() {
         }
     }
     choose(&mut made.scenes, "0.001", Rule::Footprint);
-    let page = super::page::page(&made).markdown();
+    let page = super::page(&made).markdown();
     assert!(page.contains("| tuned here | nothing to choose by |"), "{page}");
     assert_eq!(page.matches("not judged: every ray is ambiguous").count(), VALUES.len());
     assert_eq!(made.scenes[0].views[0].sets[0].choice(Label::Default).unwrap().score, None);

@@ -15,7 +15,7 @@ use crate::results::Judgement;
 fn check(record: &Record) -> Vec<(String, String)> {
     let groups = groups(record);
     let section = record.sweep.as_ref().unwrap();
-    let report = crate::report::sweep::report(record, section, &groups);
+    let report = sweep::report(record, section, &groups);
     let charts = || report.pages[0].1.charts();
     charts().map(|(stem, _)| format!("{stem}.svg")).zip(check_charts(charts())).collect()
 }

@@ -1,16 +1,20 @@
 //! A sweep: what its points measured, laid out along its axes. File `sweep.md`; the charts show the same.
 
-mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
 use std::borrow::Cow;
 
-use super::group::{Group, RaySet};
-use super::sheet::Sheet;
-use super::{Report, rows};
-use crate::results::{AxisRecord, PointRecord, SweepRecord};
-use crate::results::{Record, Row, TraceRecord};
+use itertools::Itertools as _;
+
+use super::cells::{TableRow, Told, coverage};
+use super::chart;
+use super::document::Document;
+use super::group::{Group, RaySet, Role, gathered};
+use super::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
+use super::sheet::{self, Sheet};
+use super::{Report, rows, summary};
+use crate::results::{AxisRecord, PointRecord, Record, Row, SweepRecord, TraceRecord};
 use crate::studies::sweep::RESOLUTION;
 
 /// The page of a sweep.
@@ -109,11 +113,8 @@ fn cells<'a>(
 pub(super) fn report(record: &Record, sweep: &SweepRecord, groups: &[Group<'_>]) -> Report {
     let own = Sheet::<&PointRecord>::new().json("values_json", |point| &point.values);
     let point = |row: &Row| sweep.points.iter().find(|point| row.tracer.name == sweep.tracer && point.is_of(row));
-    let views = views(sweep, groups);
-    Report {
-        pages: vec![(SWEEP_PAGE.to_owned(), page::page(record, sweep, &views))],
-        ..rows(record, groups, own, |(.., (_, row, _))| point(row))
-    }
+    let page = page(record, sweep, &views(sweep, groups));
+    Report::of_page(SWEEP_PAGE, page).and(rows(record, groups, own, |(.., (_, row, _))| point(row)))
 }
 
 /// The run as other tables and charts can show it: with the resolution in the labels of what was measured at another one
@@ -148,4 +149,75 @@ fn scored_the_same(one: &Row, other: &Row) -> bool {
         row.traces.iter().map(score).collect::<Vec<_>>()
     };
     one.scene == other.scene && one.tracer == other.tracer && scores(one) == scores(other)
+}
+
+/// The whole page.
+fn page(record: &Record, sweep: &SweepRecord, views: &[View<'_>]) -> Document {
+    let own = sweep.axes.iter().map(|axis| format!("{}={}", axis.name, axis.own)).join(", ");
+    let head = summary::head(record, &format!("Sweep of {}", sweep.tracer)).paragraph(format!(
+        "{} points; {}. The tracer's own values, with an asterisk below: {own}. All points were measured in turn, sample by sample.",
+        sweep.points.len(),
+        if sweep.grid { "all combinations of two parameters" } else { "one parameter changed at a time" },
+    ));
+    let of_axis = |(_, views): (&str, Vec<&View<'_>>)| {
+        let axis = views[0].axis;
+        let page = Document::default().heading(3, &axis.name).paragraph(format!("{}.", axis.effect));
+        page.and(views.into_iter().map(|view| section(record, view)))
+    };
+    let of_scene = |(_, views): (&str, Vec<&View<'_>>)| {
+        let page = Document::default().scene(2, views[0].group.scene, "");
+        let by_axis = gathered(views.into_iter().map(|view| (view.axis.name.as_str(), view)));
+        page.and(by_axis.into_iter().map(of_axis))
+    };
+    let by_scene = gathered(views.iter().map(|view| (view.group.stem.as_str(), view)));
+    head.and(by_scene.into_iter().map(of_scene)).and(summary::skipped(&record.skipped))
+}
+
+fn section(record: &Record, view: &View<'_>) -> Document {
+    let set = view.set;
+    let all: Vec<_> = view.curves.iter().flat_map(|curve| &curve.cells).collect();
+    let rows: Vec<_> =
+        all.iter().filter_map(|cell| cell.measured).map(|(row, trace)| (Role::Tracer, row, trace)).collect();
+    let scene = &view.group.scene.name;
+    let mut sheet = Sheet::<Place<'_>>::new();
+    if let Some(other) = view.other {
+        sheet = sheet.column(&other.name, |(curve, _)| curve.other.map(str::to_owned));
+    }
+    sheet = sheet.column(&view.axis.name, |(_, cell)| {
+        format!("{}{}", cell.value, if cell.value == view.axis.own { " *" } else { "" })
+    });
+    if [Some(view.axis), view.other].iter().flatten().any(|axis| axis.name == RESOLUTION) {
+        sheet = sheet.column("frame, faces (px)", |(_, cell)| {
+            let [width, height] = cell.point.frame;
+            format!("{width}×{height}, {}", cell.point.face)
+        });
+    }
+    let sheet = sheet
+        .and(STRUCTURE.shown(|(_, cell): &Place<'_>| match cell.measured {
+            Some((row, _)) => Some(sheet::Cell::Bytes(row.memory.structure_bytes as f64)),
+            None => cell.point.skipped.contains_key(scene).then(|| "skipped, see below".into()),
+        }))
+        .structure(USED, |row| row.1.measured.map(|(row, _)| row))
+        .clock("build_clock", |row| row.1.measured.map(|(row, _)| row.build.first()))
+        .builds(BUILD_TIME.label, |row| row.1.measured.map(|(row, _)| row))
+        .own_clock()
+        .taken(SPEED)
+        .right(set.query)
+        // How much of what is stored rays touched.
+        .counted(&rows, |of_set| of_set);
+    let places: Vec<Place<'_>> =
+        view.curves.iter().flat_map(|curve| curve.cells.iter().map(move |cell| (curve, cell))).collect();
+    set.headed(4, "")
+        .chart(view.stem(), format!("{} over {}", set.title, view.axis.name), chart::sweep::chart(record, view))
+        .paragraph(coverage(&rows))
+        .table(sheet.table(&places))
+}
+
+/// A place along a curve.
+type Place<'a> = (&'a Curve<'a>, &'a Cell<'a>);
+
+impl Told for Place<'_> {
+    fn told(&self) -> Option<TableRow<'_>> {
+        self.1.measured.map(|(row, trace)| (Role::Tracer, row, trace))
+    }
 }

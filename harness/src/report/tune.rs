@@ -1,20 +1,113 @@
-//! `tune.md`.
+//! What is made of a tuned parameter: `tune.md` and a chart a scene.
+
+#[cfg(test)]
+pub(in crate::report) mod tests;
 
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
-use super::{Errors, chart_stems, labels_of, score_name, trials};
-use crate::report::chart::{self, Drawing};
-use crate::report::document::Document;
-use crate::report::format::{self, points, significant, thousands};
-use crate::report::markdown::literal;
-use crate::report::sheet::{Cell, Column, Sheet};
-use crate::report::{metrics, summary, verdict};
-use crate::results::Judgement;
+use super::chart;
+use super::document::Document;
+use super::format::{self, points, significant, thousands};
+use super::group::{groups, stems};
+use super::markdown::literal;
+use super::sheet::{Cell, Column, Sheet};
+use super::tables::Placed;
+use super::{Report, metrics, rows, summary, verdict};
+use crate::judge::Rule;
+use crate::results::{AnyJudgement, Classes, Judgement, Record};
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, accuracy};
 
+/// The page.
+pub const TUNE_PAGE: &str = "tune.md";
+
+/// What the names of its charts begin with.
+pub(in crate::report) const STEM: &str = "tune_";
+
+/// What is made of a record of a tuned parameter.
+pub(super) fn report(record: &Record) -> Option<Report> {
+    let tuning = Tuning::of(record)?;
+    let is_chosen = |label: Label| {
+        Column::csv(format!("is_{}", code(label)), move |(set, value): &Tried<'_>| {
+            labels_of(set, value).contains(&label)
+        })
+    };
+    let lost_to = |label: Label| {
+        let rule = tuning.rule;
+        let lost = move |(set, value): &Tried<'_>| Some(set.choice(label)?.score? - set.score(value, rule)?);
+        Column::csv(format!("lost_to_{}_share", code(label)), lost)
+    };
+    let own = Sheet::new().with(Label::ALL.map(is_chosen).into()).with(Label::ALL.map(lost_to).into());
+    Some(of_tuning(&tuning).and(rows(record, &groups(record), own, |row| tried(record, &tuning, row))))
+}
+
+/// A value on a ray set.
+type Tried<'a> = (&'a SetTuned, &'a str);
+
+/// What a row tried; controls tried nothing.
+fn tried<'a>(record: &'a Record, tuning: &'a Tuning, (_, _, (_, row, trace)): &Placed<'_>) -> Option<Tried<'a>> {
+    let point = record.sweep.as_ref()?.points.iter().find(|point| point.is_of(row))?;
+    let views = tuning.scenes.iter().filter(|scene| scene.scene == row.scene).flat_map(|scene| &scene.views);
+    let mut sets = views.filter(|view| view.viewpoint == row.viewpoint).flat_map(|view| &view.sets);
+    Some((sets.find(|set| set.rays_sha256 == trace.rays_sha256)?, point.values.get(&tuning.axis.name)?))
+}
+
+/// A label as a part of a column's name.
+fn code(label: Label) -> String {
+    label.name().replace(' ', "_")
+}
+
+/// Page and a chart a scene.
+pub(in crate::report) fn of_tuning(tuning: &Tuning) -> Report {
+    Report::of_page(TUNE_PAGE, page(tuning))
+}
+
+/// What the charts of the scenes are called, without their ends.
+fn chart_stems(tuning: &Tuning) -> Vec<String> {
+    let told = tuning.scenes.iter().map(|one| {
+        let viewpoint = one.views.first().map_or("", |view| view.viewpoint.name.as_str());
+        [one.scene.name.as_str(), one.scene.sha256.as_str(), viewpoint]
+    });
+    stems(&told.collect_vec()).into_iter().map(|stem| format!("{STEM}{stem}")).collect()
+}
+
+/// The classes of wrong rays.
+pub(in crate::report) const CLASSES: [&str; 4] = ["false misses", "false hits", "early", "late"];
+
+/// Wrong rays by class, by a rule; early and late hits only where a rule looks at t.
+pub(in crate::report) fn errors(judgement: &Judgement, rule: Rule) -> [Option<u64>; 4] {
+    let Classes { false_miss, false_hit, early, late, .. } = match judgement {
+        Judgement::Any(AnyJudgement { occlusion: of, .. }) => {
+            return [Some(of.false_free), Some(of.false_occluded), None, None];
+        }
+        Judgement::Closest(closest) if rule == Rule::Footprint => &closest.classes.footprint,
+        Judgement::Closest(closest) => &closest.classes.tight,
+    };
+    let of_t = |rays: &u64| (rule != Rule::HitMiss).then_some(*rays);
+    [Some(*false_miss), Some(*false_hit), of_t(early), of_t(late)]
+}
+
+/// Rays that count.
+pub(in crate::report) fn trials(set: &SetTuned, judgement: &Judgement) -> u64 {
+    set.count.saturating_sub(judgement.left_out())
+}
+
+/// The labels under which a value would have been chosen.
+fn labels_of(set: &SetTuned, value: &str) -> Vec<Label> {
+    let chosen = set.choices.iter().filter(|choice| choice.value.as_deref() == Some(value));
+    chosen.map(|choice| choice.label).collect()
+}
+
+/// The name of what a set is scored by.
+pub(in crate::report) fn score_name(set: &SetTuned, rule: Rule) -> String {
+    match set.query {
+        Query::Closest => format!("agreement {}", rule.name()),
+        Query::Any => "balanced accuracy".to_owned(),
+    }
+}
+
 /// The whole page.
-pub(super) fn page(tuning: &Tuning) -> Document {
+fn page(tuning: &Tuning) -> Document {
     let section = |(scene, stem): (&SceneTuned, String)| {
         let name = literal(&scene.scene.name);
         let sets = scene
@@ -23,8 +116,8 @@ pub(super) fn page(tuning: &Tuning) -> Document {
             .zip(["own"].into_iter().chain(std::iter::repeat("other")))
             .flat_map(|(view, whose)| view.sets.iter().map(move |set| one_set(tuning, whose, view, set)));
         let page = Document::default().scene(2, &scene.scene, "");
-        let drawing = Drawing::Panels(chart::tune::chart(tuning, scene));
-        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name), drawing).and(sets)
+        let chart = chart::tune::chart(tuning, scene);
+        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name), chart).and(sets)
     };
     let sections = tuning.scenes.iter().zip(chart_stems(tuning)).map(section);
     head(tuning).and(sections).and(summary::skipped(&tuning.skipped))
@@ -152,18 +245,15 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> Do
         Query::Any => "occlusion",
         Query::Closest => tuning.rule.name(),
     };
-    let errors = |name: &str, of: fn(&Errors) -> Option<u64>| {
+    let of_class = |(place, name): (usize, &str)| {
         Column::new(format!("{name} ↓ ({by})"), move |value: &ValueTuned| {
-            of(&Errors::of(&value.judged.as_ref()?.judgement, tuning.rule))
+            errors(&value.judged.as_ref()?.judgement, tuning.rule)[place]
         })
     };
     let sheet = Sheet::<ValueTuned>::new()
         .column(&tuning.axis.name, |value| value.value.clone())
         .accuracies_of(set.query, |value| value.judged.as_ref().map(|judged| (&judged.judgement, of_judgement(judged))))
-        .and(errors("false misses", |errors| Some(errors.false_misses)))
-        .and(errors("false hits", |errors| Some(errors.false_hits)))
-        .and(errors("early", |errors| errors.early))
-        .and(errors("late", |errors| errors.late))
+        .with(CLASSES.into_iter().enumerate().map(of_class).collect())
         .column("is", |value| {
             let mut labels: Vec<&str> = labels_of(set, &value.value).into_iter().map(Label::name).collect();
             if value.judged.is_none() {
