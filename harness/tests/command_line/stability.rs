@@ -12,7 +12,7 @@ fn a_matrix_and_its_files() {
     let bench = Bench::new();
     let outcome = bench.call(&["stability", "--quiet", "--case", "edge-on", "--tracer", "all", "--out", "out"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    let expected = ["error_vs_difficulty.png", "error_vs_difficulty.svg", "run.json", "stability.md"];
+    let expected = ["error_vs_difficulty.png", "error_vs_difficulty.svg", "report.html", "run.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(

@@ -62,7 +62,8 @@ fn values_are_those_of_runs() {
         assert_eq!((from_own("room", "ao"), from_own("candy", "diffuse")), (None, None));
     }
     let before = names(&bench.path("out"));
-    let expected = ["rows.csv", "run.json", "tune.md", "tune_room.png", "tune_room.svg", "wrong_rays.csv"];
+    let expected =
+        ["report.html", "rows.csv", "run.json", "tune.md", "tune_room.png", "tune_room.svg", "wrong_rays.csv"];
     assert_eq!(before, expected.map(str::to_owned).into());
     let read = |name: &String| std::fs::read(bench.path("out").join(name)).unwrap();
     let contents: Vec<_> = before.iter().map(read).collect();
