@@ -19,7 +19,7 @@ pub struct Sources<'a> {
     pub list: &'a dyn Fn(&str) -> Vec<String>,
 }
 
-/// The fingerprint of every registered tracer: 16 hexadecimal digits, by the name of its registration's module.
+/// The fingerprint of every registered tracer: 16 hexadecimal digits, by the name of its registration.
 ///
 /// # Errors
 /// What cannot be read or understood.
@@ -33,28 +33,26 @@ pub fn fingerprints(sources: &Sources<'_>) -> Result<BTreeMap<String, String>, S
     let code = judging.0.values().map(String::as_str).collect::<Vec<_>>().join(" ");
     house.add_named("harness", &code, &mut judging)?;
     let mut all = BTreeMap::from([("controls".to_owned(), judging.digest())]);
-    let registrations: Vec<String> = (sources.list)("harness/src/registrations");
-    for file in registrations.iter().filter(|file| file.ends_with(".rs")) {
+    // What a registration expects of a tracer does not change its rows; what it makes does.
+    let folder = "harness/src/registrations";
+    let text = house.code_of(&format!("{folder}/mod.rs"))?.text;
+    let entries = text.split_once("registrations ! { ").and_then(|(_, entries)| entries.split_once('}'));
+    let (entries, _) = entries.ok_or_else(|| format!("{folder}/mod.rs has no entries"))?;
+    let mut add = |name: &str, text: &str| {
         let mut hashed = judging.clone();
-        let registration = format!("harness/src/registrations/{file}");
-        let text = house.code_of(&registration)?.text;
-        // What a registration expects of a tracer does not change its rows; what it makes does.
-        if !text.contains("REGISTRATION : Registration") {
-            continue;
+        house.add_named("harness", text, &mut hashed)?;
+        all.insert(name.to_owned(), hashed.digest());
+        Ok::<_, String>(())
+    };
+    for entry in entries.split(';').map(str::trim).filter(|entry| !entry.is_empty()) {
+        add(entry.split(' ').next().unwrap_or_default(), entry)?;
+    }
+    // One that is made of others has a file, and its rows are made by theirs, too.
+    for file in (sources.list)(folder).iter().filter(|file| file.ends_with(".rs") && *file != "mod.rs") {
+        let text = house.code_of(&format!("{folder}/{file}"))?.text;
+        if text.contains("REGISTRATION : Registration") {
+            add(file.trim_end_matches(".rs"), &format!("{text} {entries}"))?;
         }
-        house.add_named("harness", &text, &mut hashed)?;
-        // Registrations that it makes its own of, whose rows are made by theirs, too.
-        let words: BTreeSet<&str> = text.split_whitespace().collect();
-        for other in &registrations {
-            if other != file && words.contains(other.trim_end_matches(".rs")) && text.contains("parts :") {
-                house.add_named(
-                    "harness",
-                    &house.code_of(&format!("harness/src/registrations/{other}"))?.text,
-                    &mut hashed,
-                )?;
-            }
-        }
-        all.insert(file.trim_end_matches(".rs").to_owned(), hashed.digest());
     }
     Ok(all)
 }

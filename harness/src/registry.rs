@@ -1,24 +1,6 @@
-//! Every tracer, a line each.
+//! Every tracer, and how one is found.
 
-use crate::registrations;
-pub use crate::registrations::{Device, Family, Registration};
-
-/// Every tracer, in the order of tables.
-pub static TRACERS: &[Registration] = &[
-    registrations::bvh_cpu::REGISTRATION,
-    registrations::bvh_gpu::REGISTRATION,
-    registrations::ploc_gpu::REGISTRATION,
-    registrations::ray_query::REGISTRATION,
-    registrations::dirt::REGISTRATION,
-    registrations::fragment_abuffer::REGISTRATION,
-    registrations::voxel_abuffer::REGISTRATION,
-    registrations::voxel_octree::REGISTRATION,
-    registrations::quadtree::REGISTRATION,
-    registrations::screen_dda::REGISTRATION,
-    registrations::height_field::REGISTRATION,
-    registrations::mesh_warp::REGISTRATION,
-    registrations::hybrid::REGISTRATION,
-];
+pub use crate::registrations::{Device, Family, Registration, TRACERS};
 
 /// Finds a tracer by name.
 pub fn find(name: &str) -> Option<&'static Registration> {

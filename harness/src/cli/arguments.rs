@@ -1,4 +1,4 @@
-//! The arguments of `run` and `table`, and the plan that they make.
+//! The arguments of `table` and those that verbs share, and the plan that they make.
 
 use std::ffi::{OsStr, OsString};
 use std::ops::RangeInclusive;
@@ -19,22 +19,6 @@ use crate::plan::{
 use crate::rays::{BETWEEN_SAMPLES, MAX_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Adaptive, SampleSchedule};
 use crate::tables::{self, Table, exact};
-
-#[derive(Args)]
-pub(super) struct RunArguments {
-    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
-    #[arg(long, default_value = "room")]
-    pub scene: OsString,
-    /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. A plain name means the published preset.
-    /// NAME@PARAMETER=VALUE is the tracer with a value of its own, so that one may stand there several times.
-    #[arg(long, default_value = "all")]
-    pub tracer: String,
-    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all.
-    #[arg(long, default_value = "all")]
-    pub rays: String,
-    #[command(flatten)]
-    pub work: WorkArguments,
-}
 
 #[derive(Args)]
 pub(super) struct TableArguments {
@@ -109,7 +93,8 @@ pub(super) struct WorkArguments {
     pub seed: u64,
     /// How far traces go: hit (t, triangle and status of every ray) or surface (position, normal and material of what it
     /// hit, too).
-    #[arg(long, value_name = "hit|surface", default_value = "hit", value_parser = trace_to)]
+    #[arg(long, value_name = "hit|surface", default_value = "hit",
+          value_parser = |text: &str| TraceTo::named(text).ok_or("hit or surface"))]
     pub trace_to: TraceTo,
     /// How many wrong rays of each cause a row keeps, evenly spaced among all of that cause.
     #[arg(long, value_name = "N", default_value_t = WRONG_RAYS_PER_CAUSE)]
@@ -119,6 +104,7 @@ pub(super) struct WorkArguments {
 }
 
 /// What a run is about, beside [`WorkArguments`].
+#[derive(Default)]
 pub(super) struct Selection {
     pub(super) scenes: Vec<SceneSource>,
     pub(super) tracers: Vec<TracerRequest>,
@@ -136,7 +122,7 @@ impl Selection {
         ray_sets: &str,
     ) -> Result<Self, CliError> {
         let (scenes, tracers, ray_sets) = (names::scenes(scenes)?, tracers?, names::ray_sets(ray_sets)?);
-        Ok(Self { scenes, tracers, ray_sets, table: None, between_samples: false })
+        Ok(Self { scenes, tracers, ray_sets, ..Self::default() })
     }
 }
 
@@ -170,12 +156,9 @@ pub(super) struct DeviceArguments {
     pub adapter: Option<String>,
     /// Within which limits the device is opened: those of the adapter (default), or webgpu, the ones that every browser grants,
     /// with no feature beyond WebGPU's core.
-    #[arg(long, value_name = "adapter|webgpu", value_parser = limits)]
+    #[arg(long, value_name = "adapter|webgpu",
+          value_parser = |text: &str| DeviceLimits::named(text).ok_or_else(|| DeviceLimits::NAMES.join(" or ")))]
     pub limits: Option<DeviceLimits>,
-}
-
-fn limits(text: &str) -> Result<DeviceLimits, String> {
-    DeviceLimits::named(text).ok_or_else(|| DeviceLimits::NAMES.join(" or "))
 }
 
 /// Reads a number within a range, of which words say what it is.
@@ -189,9 +172,8 @@ pub(super) fn within(
 
 fn frame(text: &str) -> Result<[u32; 2], String> {
     let edge = |part: &str| part.parse::<u32>().ok().filter(|edge| (1..=LARGEST_EDGE).contains(edge));
-    let edges = text.split_once(['x', 'X']).and_then(|(width, height)| edge(width).zip(edge(height)));
-    let (width, height) = edges.ok_or_else(|| format!("WxH with both from 1 to {LARGEST_EDGE}, like 256x128"))?;
-    Ok([width, height])
+    let edges = text.split_once(['x', 'X']).and_then(|(width, height)| Some([edge(width)?, edge(height)?]));
+    edges.ok_or_else(|| format!("WxH with both from 1 to {LARGEST_EDGE}, like 256x128"))
 }
 
 pub(super) fn ray_image(text: &str) -> Result<[u32; 2], String> {
@@ -203,19 +185,10 @@ pub(super) fn ray_image(text: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
-fn trace_to(text: &str) -> Result<TraceTo, String> {
-    TraceTo::named(text).ok_or_else(|| "hit or surface".to_owned())
-}
-
 impl CommonArguments {
     /// The plan of tracers and ray sets in some scenes.
-    pub(super) fn plan_of(
-        &self,
-        scenes: Vec<SceneSource>,
-        tracers: Vec<TracerRequest>,
-        ray_sets: Vec<RaySet>,
-        preset: RunPreset,
-    ) -> Result<Plan, CliError> {
+    pub(super) fn plan_of(&self, selection: Selection, preset: RunPreset) -> Result<Plan, CliError> {
+        let Selection { scenes, tracers, ray_sets, table, .. } = selection;
         Ok(Plan {
             scenes,
             tracers,
@@ -227,14 +200,8 @@ impl CommonArguments {
             seed: 1,
             trace_to: TraceTo::Hit,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
-            table: None,
+            table,
         })
-    }
-}
-
-impl RunArguments {
-    pub(super) fn selection(&self) -> Result<Selection, CliError> {
-        Selection::of(&self.scene, names::tracers(&self.tracer, &self.work.common.settings), &self.rays)
     }
 }
 
@@ -245,11 +212,8 @@ impl TableArguments {
         let listed = |name: &str| SceneSource::Catalogue(name.to_owned());
         let scenes = match (&self.scene, table) {
             (Some(list), _) => names::scenes(list)?,
-            (None, Table::Settings(_)) => {
-                tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect()
-            }
+            (None, Table::Settings(_) | Table::Exact) => names::scenes(OsStr::new("all"))?,
             (None, Table::Claims(_)) => Vec::new(),
-            (None, Table::Exact) => names::scenes(OsStr::new("all"))?,
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
@@ -294,11 +258,9 @@ impl WorkArguments {
 
     /// The plan, but for the preset, which waits for the adapter if it is not given.
     pub(super) fn plan(&self, selection: Selection, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
-        let Selection { scenes, tracers, ray_sets, table, between_samples } = selection;
-        let preset = match &self.preset {
-            Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
-            None => RunPreset::for_adapter(hardware()),
-        };
+        let Selection { table, between_samples, .. } = selection;
+        let preset = self.preset.as_deref().and_then(RunPreset::named);
+        let preset = preset.unwrap_or_else(|| RunPreset::for_adapter(hardware()));
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
         let is_exact = table == Some(exact::NAME);
         // Nobody asks it for times.
@@ -322,8 +284,7 @@ impl WorkArguments {
             seed: self.seed,
             trace_to: self.trace_to,
             wrong_rays_per_cause: self.wrong_rays,
-            table,
-            ..self.common.plan_of(scenes, tracers, ray_sets, preset)?
+            ..self.common.plan_of(selection, preset)?
         })
     }
 }

@@ -8,10 +8,10 @@ use serde_json::json;
 use tracebench_api::{Geometry, Query, TracerError};
 use tracebench_scenes::Mesh;
 
-use super::arguments::{CommonArguments, ray_image};
+use super::arguments::{CommonArguments, Selection, ray_image};
 use super::output::{print, print_end};
-use super::work::{Bench, Clock, OutputArguments, described, fresh_folder, say_skipped};
-use super::{CliError, names};
+use super::work::{Bench, OutputArguments, fresh_folder, say_skipped};
+use super::{CliError, fail, fail_for, names, refuse};
 use crate::exchange::{self, ExchangeError, Manifest, answers};
 use crate::files::OutputFolder;
 use crate::hash::sha256_of;
@@ -92,10 +92,11 @@ pub(super) fn rays(arguments: &RaysArguments, progress: &Progress) -> Result<(),
     let RaysArguments { scene, rays, size, seed, common, out } = arguments;
     let sets = names::ray_sets(rays)?;
     if sets.iter().any(|set| set.saved().is_some()) {
-        return Err(CliError::Argument("--rays: sets that were read are files already; copy their folders".to_owned()));
+        return refuse("--rays: sets that were read are files already; copy their folders");
     }
     let preset = RunPreset { ray_image: *size, ..RunPreset::for_adapter(false) };
-    let plan = Plan { seed: *seed, ..common.plan_of(vec![names::scene(scene)?], Vec::new(), sets, preset)? };
+    let selection = Selection { scenes: vec![names::scene(scene)?], ray_sets: sets, ..Selection::default() };
+    let plan = Plan { seed: *seed, ..common.plan_of(selection, preset)? };
     let folder = out.as_deref().map_or_else(fresh_folder, OutputFolder::open)?;
     let written = write(&plan, &folder, progress).inspect_err(|_| folder.abandon())?;
     print(&format!("{written}{}\n", folder.path().display()))
@@ -128,7 +129,7 @@ fn write(plan: &Plan, folder: &OutputFolder, progress: &Progress) -> Result<Stri
     say_skipped(&session.skipped, progress);
     if session.rays.is_empty() {
         let reasons: Vec<&str> = session.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
-        return Err(CliError::Other(format!("no rays were made: {}", reasons.join("; "))));
+        return fail(format!("no rays were made: {}", reasons.join("; ")));
     }
     if matches!(plan.scenes[..], [SceneSource::File { .. }]) {
         text += "the scene keeps its owner's licence: pass it on only as that allows\n";
@@ -140,9 +141,9 @@ pub(super) fn judge(arguments: &JudgeArguments, progress: &Progress) -> Result<(
     let JudgeArguments { rays, name, wrong_rays, .. } = arguments;
     let taken = TRACERS.iter().map(|tracer| tracer.name()).chain(crate::results::CONTROL_NAMES);
     if !exchange::is_name(name) || taken.into_iter().any(|taken| taken == name) {
-        return Err(CliError::Argument(format!(
+        return refuse(format!(
             "--name '{name}': a name of 1 to 64 letters, digits and -_. +:=@ that no tracer of `list tracers` and no control has"
-        )));
+        ));
     }
     let set = exchange::read(rays)?;
     let told = answers::read(&arguments.answers, &set)?;
@@ -156,10 +157,9 @@ pub(super) fn judge(arguments: &JudgeArguments, progress: &Progress) -> Result<(
     let hits_sha256 = sha256_of(&told.hits);
     let words = json!({ "rays": set.manifest, "answers": hits_sha256, "name": name, "wrong_rays": wrong_rays });
     let output = OutputArguments { out: arguments.out.clone(), resume: false, shard: None, launch: None };
-    let bench = Bench::open(no_device(), &output, Clock::Untimed, &mut [], progress)?;
-    let plan = described("judge", &[], words);
+    let bench = Bench::open(no_device(), &output, "judge", &mut [], progress)?;
     let judged = (set, truths, truth);
-    let record = bench.measure(&plan, progress, |context| study::execute(judged, &told, name, *wrong_rays, context))?;
+    let record = bench.measure(&[], words, |context| study::execute(judged, &told, name, *wrong_rays, context))?;
     let explained = bench.out.path().join("wrong_rays.csv");
     let table = match arguments.explain {
         true => std::fs::read_to_string(&explained).map_err(|error| ExchangeError::Read(explained, error))?,
@@ -183,5 +183,5 @@ fn check_least(record: &Record, least: &[(String, f64)]) -> Result<(), CliError>
         None => Some(format!("{rule} is not judged of these rays")),
     });
     let failed: Vec<String> = failed.collect();
-    if failed.is_empty() { Ok(()) } else { Err(CliError::Other(format!("--fail-under: {}", failed.join("; ")))) }
+    fail_for(&failed, "; ", |failed| format!("--fail-under: {failed}"))
 }

@@ -33,37 +33,31 @@ enum Kind {
     Tables,
 }
 
-/// As JSON, and in words.
-type Listed = (fn() -> Vec<Value>, fn() -> String);
+/// What is listed: each as JSON and in words, and what words end with.
+type Listed = (Vec<(Value, String)>, String);
 
 pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
-    let (items, text): Listed = match arguments.what {
-        Kind::Tracers => (tracers, || TRACERS.iter().map(|each| tracer_text(&each.describe())).collect()),
-        Kind::Scenes => (scenes, scenes_text),
-        Kind::Rays => (rays, rays_text),
-        Kind::Cases => (cases, || CASES.iter().map(case_text).collect()),
-        Kind::Tables => (tables, || Table::all().map(table_text).collect()),
+    let (items, end): Listed = match arguments.what {
+        Kind::Tracers => (TRACERS.iter().map(|each| tracer(&each.describe())).collect(), String::new()),
+        Kind::Scenes => scenes(),
+        Kind::Rays => rays(),
+        Kind::Cases => (CASES.iter().map(case).collect(), String::new()),
+        Kind::Tables => (Table::all().map(table).collect(), String::new()),
     };
-    if arguments.json { print_json(&Value::Array(items())) } else { print(&text()) }
+    let (values, texts): (Vec<Value>, String) = items.into_iter().unzip();
+    if arguments.json { print_json(&Value::Array(values)) } else { print(&(texts + &end)) }
 }
 
-fn tracers() -> Vec<Value> {
-    let item = |registration: &crate::registry::Registration| {
-        let mut item = serde_json::to_value(registration.describe()).unwrap_or_default();
-        item["presets"] = json!(Preset::ALL.map(Preset::name));
-        item
-    };
-    TRACERS.iter().map(item).collect()
-}
-
-fn tracer_text(description: &TracerDescription) -> String {
+fn tracer(description: &TracerDescription) -> (Value, String) {
+    let mut item = serde_json::to_value(description).unwrap_or_default();
+    item["presets"] = json!(Preset::ALL.map(Preset::name));
     let parameter = |parameter: &ParameterDescription| {
         let (value, range) = value_and_range(parameter);
         let ParameterDescription { name, improved, effect, .. } = parameter;
         format!("  {}.{name} = {value} ({range}; improved {improved}): {effect}\n", description.name)
     };
     let head = format!("{:<12} {}\n{:12} {}\n", description.name, description.summary, "", description.citation);
-    head + &description.parameters.iter().map(parameter).collect::<String>()
+    (item, head + &description.parameters.iter().map(parameter).collect::<String>())
 }
 
 /// A parameter's published value with its unit, and what it may be.
@@ -77,85 +71,54 @@ fn value_and_range(parameter: &ParameterDescription) -> (String, String) {
     (format!("{}{unit}", parameter.published), range)
 }
 
-/// Names of a scene's cameras. They do not depend on its scale, so the smallest serves.
-fn camera_names(scene: &str) -> Vec<String> {
-    let made = tracebench_scenes::procedural(scene, tracebench_scenes::SCALE_MIN);
-    made.map(|scene| scene.cameras.into_iter().map(|camera| camera.name).collect()).unwrap_or_default()
-}
-
-fn scenes() -> Vec<Value> {
+fn scenes() -> Listed {
     let item = |entry: &CatalogueEntry| {
-        json!({
-            "name": entry.name,
-            "description": entry.description,
-            "triangles_at_scale_1": entry.triangles_at_scale_1,
-            "closed": entry.closed,
-            "watertight": entry.watertight,
-            "animation_s": entry.animation_s,
-            "viewpoints": camera_names(entry.name),
-        })
-    };
-    tracebench_scenes::catalogue().iter().map(item).collect()
-}
-
-fn scenes_text() -> String {
-    let entry = |entry: &CatalogueEntry| {
-        let CatalogueEntry { name, description, triangles_at_scale_1, .. } = entry;
-        let viewpoints = camera_names(name).join(", ");
-        let moves = entry.animation_s.map_or_else(String::new, |seconds| format!(", moves for {seconds} s"));
+        let CatalogueEntry { name, description, triangles_at_scale_1, closed, watertight, animation_s, .. } = entry;
+        // Cameras do not depend on a scene's scale, so the smallest serves.
+        let made = tracebench_scenes::procedural(name, tracebench_scenes::SCALE_MIN);
+        let cameras = made.map(|scene| scene.cameras).unwrap_or_default();
+        let viewpoints: Vec<String> = cameras.into_iter().map(|camera| camera.name).collect();
+        let moves = animation_s.map_or_else(String::new, |seconds| format!(", moves for {seconds} s"));
         let head = format!("{name:<10} {description} ({triangles_at_scale_1} triangles{moves})\n");
-        format!("{head}{:10} viewpoints: {viewpoints}\n", "")
+        let text = format!("{head}{:10} viewpoints: {}\n", "", viewpoints.join(", "));
+        let value = json!({
+            "name": name, "description": description, "triangles_at_scale_1": triangles_at_scale_1, "closed": closed,
+            "watertight": watertight, "animation_s": animation_s, "viewpoints": viewpoints,
+        });
+        (value, text)
     };
-    let entries: String = tracebench_scenes::catalogue().iter().map(entry).collect();
-    entries + "Any .gltf or .glb file is a scene too, by its path.\n"
+    let end = "Any .gltf or .glb file is a scene too, by its path.\n";
+    (tracebench_scenes::catalogue().iter().map(item).collect(), end.to_owned())
 }
 
-/// The parameters of a ray set, `order` first, which every set has.
-fn parameters_of(set: &RaySet) -> Vec<ParameterDescription> {
-    let mut known = ray_parameters();
-    known.retain(|each| each.name == "order" || set.parameters.contains(&each.name));
-    known
-}
-
-fn rays_text() -> String {
-    let sets = RAY_SETS.iter().chain([&HOSTILE]).map(|set| {
-        let query = if set.query == Query::Any { " (any hit)" } else { "" };
-        format!("{:<12} {}{query}\n", set.name, set.summary)
-    });
-    let parameters = ray_parameters();
-    let parameters = parameters.iter().map(|parameter| {
-        let (value, range) = value_and_range(parameter);
-        format!("  rays.{} = {value} ({range}): {}\n", parameter.name, parameter.effect)
-    });
-    sets.chain(parameters).collect()
-}
-
-fn rays() -> Vec<Value> {
+fn rays() -> Listed {
+    let known = ray_parameters();
     let item = |set: &RaySet| {
+        let RaySet { name, query, summary, .. } = set;
         let parameter = |each: &ParameterDescription| {
             let ParameterDescription { name, unit, domain, published, effect, .. } = each;
             json!({ "name": name, "unit": unit, "domain": domain, "default": published, "effect": effect })
         };
-        let parameters: Vec<Value> = parameters_of(set).iter().map(parameter).collect();
-        json!({ "name": set.name, "query": set.query, "summary": set.summary, "parameters": parameters })
+        // `order` first, which every set has.
+        let own = known.iter().filter(|each| each.name == "order" || set.parameters.contains(&each.name));
+        let parameters: Vec<Value> = own.map(parameter).collect();
+        let any = if *query == Query::Any { " (any hit)" } else { "" };
+        let value = json!({ "name": name, "query": query, "summary": summary, "parameters": parameters });
+        (value, format!("{name:<12} {summary}{any}\n"))
     };
-    RAY_SETS.iter().chain([&HOSTILE]).map(item).collect()
+    let parameter = |parameter: &ParameterDescription| {
+        let (value, range) = value_and_range(parameter);
+        format!("  rays.{} = {value} ({range}): {}\n", parameter.name, parameter.effect)
+    };
+    (RAY_SETS.iter().chain([&HOSTILE]).map(item).collect(), known.iter().map(parameter).collect())
 }
 
-fn cases() -> Vec<Value> {
-    let item = |case: &Case| {
-        let turned = &case.difficulty_parameter;
-        let turned = json!({ "name": turned.name, "unit": turned.unit, "values": turned.values });
-        json!({ "name": case.name, "summary": case.summary, "difficulty_parameter": turned })
-    };
-    CASES.iter().map(item).collect()
-}
-
-fn case_text(case: &Case) -> String {
-    let Case { name, summary, difficulty_parameter, .. } = case;
-    let values = difficulty_parameter.values.iter().join(", ");
-    let label = crate::cases::label(difficulty_parameter.name, difficulty_parameter.unit);
-    format!("{name:<20} {summary}\n{:20} {label}: {values}\n", "")
+fn case(case: &Case) -> (Value, String) {
+    let Case { name, summary, difficulty_parameter: turned, .. } = case;
+    let label = crate::cases::label(turned.name, turned.unit);
+    let text = format!("{name:<20} {summary}\n{:20} {label}: {}\n", "", turned.values.iter().join(", "));
+    let turned = json!({ "name": turned.name, "unit": turned.unit, "values": turned.values });
+    (json!({ "name": name, "summary": summary, "difficulty_parameter": turned }), text)
 }
 
 /// Labels of a table's rows, as `--tracer` takes them; each once, however many steps have it.
@@ -169,33 +132,25 @@ fn rows(table: Table) -> Vec<String> {
     requests.iter().map(TracerRequest::argument).unique().collect()
 }
 
-fn tables() -> Vec<Value> {
-    let item = |table: Table| {
-        let rays: Vec<&str> = table.rays().split(',').filter(|name| !name.is_empty()).collect();
-        let mut item = json!({
-            "name": table.name(), "summary": table.summary(), "rays": rays, "tracers": rows(table),
-        });
-        match table {
-            Table::Settings(peers) if peers.reference().is_empty() => {}
-            Table::Settings(peers) => item["reference"] = json!(peers.reference()),
-            Table::Exact => {}
-            Table::Claims(paper) => item["paper"] = json!(paper.name),
-            Table::Paper(paper, experiment) => {
-                item["paper"] = json!(paper.name);
-                item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
-                item["resolutions"] = experiment.steps.iter().map(|step| json!(step.resolution)).collect();
-            }
+fn table(table: Table) -> (Value, String) {
+    let (name, summary, rows) = (table.name(), table.summary(), rows(table));
+    let rays: Vec<&str> = table.rays().split(',').filter(|name| !name.is_empty()).collect();
+    let mut item = json!({ "name": name, "summary": summary, "rays": rays, "tracers": rows });
+    match table {
+        Table::Settings(peers) if peers.reference().is_empty() => {}
+        Table::Settings(peers) => item["reference"] = json!(peers.reference()),
+        Table::Exact => {}
+        Table::Claims(paper) => item["paper"] = json!(paper.name),
+        Table::Paper(paper, experiment) => {
+            item["paper"] = json!(paper.name);
+            item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
+            item["resolutions"] = experiment.steps.iter().map(|step| json!(step.resolution)).collect();
         }
-        item
+    }
+    let rays = if table.rays().is_empty() { "none" } else { table.rays() };
+    let told = match rows.is_empty() {
+        true => String::new(),
+        false => format!("{:14} rows: {}; rays: {rays}\n", "", rows.join(", ")),
     };
-    Table::all().map(item).collect()
-}
-
-fn table_text(table: Table) -> String {
-    let (name, rays) = (table.name(), if table.rays().is_empty() { "none" } else { table.rays() });
-    let rows = match rows(table) {
-        rows if rows.is_empty() => String::new(),
-        rows => format!("{:14} rows: {}; rays: {rays}\n", "", rows.join(", ")),
-    };
-    format!("{name:<14} {}\n{rows}", table.summary())
+    (item, format!("{name:<14} {summary}\n{told}"))
 }

@@ -4,25 +4,16 @@
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
-mod attack;
-mod clock;
-mod compare;
 mod doctor;
-mod explain;
-mod frames;
 mod judge;
 mod list;
-mod merge;
 mod names;
-mod need;
 mod output;
-mod page;
-mod pareto;
+mod records;
 mod renames;
 mod reproduce;
-mod run;
-mod stability;
 mod stop;
+mod studies;
 mod sweep;
 mod table;
 mod work;
@@ -38,6 +29,7 @@ use arguments::DeviceArguments;
 use crate::exchange::ExchangeError;
 use crate::files::FileError;
 use crate::measure::RunError;
+use crate::plan::TracerRequest;
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::ReportError;
@@ -64,35 +56,35 @@ enum Verb {
     /// List tracers (with their parameters), scenes, ray sets, cases or tables.
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
-    Run(arguments::RunArguments),
+    Run(studies::RunArguments),
     /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error; or show what the choice of a
     /// parameter costs.
     Sweep(sweep::SweepArguments),
     /// Measure the same number of points of every tracer, over parameters and resolutions: who is fastest, smallest and quickest to build
     /// at which agreement.
-    Pareto(pareto::ParetoArguments),
+    Pareto(studies::ParetoArguments),
     /// Shrink structures until answers get worse: bytes needed beside bytes stored and touched.
-    Need(need::NeedArguments),
+    Need(studies::NeedArguments),
     /// Follow moving scenes frame by frame: update structures, trace or render every frame, and tell time, error and flicker.
-    Frames(frames::FramesArguments),
+    Frames(studies::FramesArguments),
     /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
     Reproduce(reproduce::ReproduceArguments),
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a
     /// paper claims beside what was measured, with a verdict on every claim.
     Table(arguments::TableArguments),
     /// Compare two runs: what got slower or less accurate, what changed, what only one has.
-    Compare(compare::CompareArguments),
+    Compare(records::CompareArguments),
     /// Join the shards of a run that was spread over machines by --shard.
-    Merge(merge::MergeArguments),
+    Merge(records::MergeArguments),
     /// Make every file that derives from a run.json, of whatever verb, again; or one page, or one table, of several records; or check what
     /// is handed in.
-    Report(run::ReportArguments),
+    Report(records::ReportArguments),
     /// Run minimal scenes of one difficulty each and compare what tracers get wrong with what is expected of them.
-    Stability(stability::StabilityArguments),
+    Stability(studies::StabilityArguments),
     /// Search for the poses at which tracers are wrong the most, and make what is wrong there small.
-    Attack(attack::AttackArguments),
+    Attack(studies::AttackArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
-    Explain(explain::ExplainArguments),
+    Explain(studies::ExplainArguments),
     /// Write rays with their truth, and the scene, as arrays that any program reads.
     #[command(mut_arg("adapter", |arg| arg.hide(true)), mut_arg("limits", |arg| arg.hide(true)))]
     Rays(judge::RaysArguments),
@@ -124,6 +116,21 @@ pub(crate) enum CliError {
     /// Something that is not worth a type.
     #[error("{0}")]
     Other(String),
+}
+
+/// Ends the program for an argument that is wrong.
+fn refuse<T>(why: impl Into<String>) -> Result<T, CliError> {
+    Err(CliError::Argument(why.into()))
+}
+
+/// Ends the program for something else that is not worth a type.
+fn fail<T>(why: impl Into<String>) -> Result<T, CliError> {
+    Err(CliError::Other(why.into()))
+}
+
+/// Ends the program for all that went wrong, if anything did: what is said of so many, listed with a separator.
+fn fail_for(wrong: &[String], separator: &str, said: impl FnOnce(String) -> String) -> Result<(), CliError> {
+    if wrong.is_empty() { Ok(()) } else { fail(said(wrong.join(separator))) }
 }
 
 impl CliError {
@@ -167,19 +174,19 @@ pub fn main() -> ExitCode {
     let outcome = match &command_line.verb {
         Verb::Doctor(arguments) => doctor::doctor(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
-        Verb::Run(arguments) => run::run(arguments, &progress),
+        Verb::Run(arguments) => studies::run(arguments, &progress),
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
-        Verb::Pareto(arguments) => pareto::pareto(arguments, &progress),
-        Verb::Need(arguments) => need::need(arguments, &progress),
-        Verb::Frames(arguments) => frames::frames(arguments, &progress),
+        Verb::Pareto(arguments) => studies::pareto(arguments, &progress),
+        Verb::Need(arguments) => studies::need(arguments, &progress),
+        Verb::Frames(arguments) => studies::frames(arguments, &progress),
         Verb::Reproduce(arguments) => reproduce::reproduce(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
-        Verb::Compare(arguments) => compare::compare(arguments),
-        Verb::Merge(arguments) => merge::merge_shards(arguments),
-        Verb::Report(arguments) => run::report(arguments, &progress),
-        Verb::Stability(arguments) => stability::stability(arguments, &progress),
-        Verb::Attack(arguments) => attack::attack(arguments, &progress),
-        Verb::Explain(arguments) => explain::explain(arguments, &progress),
+        Verb::Compare(arguments) => records::compare(arguments),
+        Verb::Merge(arguments) => records::merge_shards(arguments),
+        Verb::Report(arguments) => records::report(arguments, &progress),
+        Verb::Stability(arguments) => studies::stability(arguments, &progress),
+        Verb::Attack(arguments) => studies::attack(arguments, &progress),
+        Verb::Explain(arguments) => studies::explain(arguments, &progress),
         Verb::Rays(arguments) => judge::rays(arguments, &progress),
         Verb::Judge(arguments) => judge::judge(arguments, &progress),
     };
@@ -194,15 +201,15 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Opens the device if any tracer can use it; else, and if there is none, says why. An adapter that is named (by
+/// Opens the device if any tracer that is asked for can use it; else, and if there is none, says why. An adapter that is named (by
 /// `--adapter` or by `WGPU_ADAPTER_NAME`) and a tracer that must have one make not getting one an error.
-fn open_device(arguments: &DeviceArguments, useful: bool, required: bool) -> Result<Device, CliError> {
+fn open_device(arguments: &DeviceArguments, requests: &[TracerRequest]) -> Result<Device, CliError> {
     let wanted = arguments.adapter.as_deref();
-    if !useful && wanted.is_none() {
+    if wanted.is_none() && !requests.iter().any(|request| request.registration.needs_device()) {
         return Ok(Err(TracerError::Unavailable("no tracer of this run uses a graphics adapter".to_owned())));
     }
     let choice = AdapterChoice::from_environment(wanted, arguments.limits)?;
-    let required = required || choice.wanted.is_some();
+    let required = choice.wanted.is_some() || requests.iter().any(TracerRequest::must_have_device);
     match Gpu::open(&choice) {
         Ok(gpu) => Ok(Ok(Arc::new(gpu))),
         Err(error) if required => Err(error.into()),

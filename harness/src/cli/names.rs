@@ -1,14 +1,15 @@
 //! Names on the command line: lists, presets, suggestions for what is not known.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::Path;
 
 use itertools::Itertools as _;
 use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
-use super::CliError;
 use super::renames::{self, Kind};
-use crate::cases::{self, CASES, Case};
+use super::{CliError, refuse};
+use crate::cases::{CASES, Case};
 use crate::exchange;
 use crate::papers::Experiment;
 use crate::peers;
@@ -34,6 +35,15 @@ pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
     CliError::Argument(format!("there is no {kind} '{name}'{hint} There are: {}", known.join(", ")))
 }
 
+/// What has a name among all of its kind.
+fn find<T>(kind: &str, name: &str, all: impl Iterator<Item = T>, of: fn(&T) -> &'static str) -> Result<T, CliError> {
+    let mut all: Vec<T> = all.collect();
+    match all.iter().position(|each| of(each) == name) {
+        Some(place) => Ok(all.swap_remove(place)),
+        None => Err(unknown(kind, name, &all.iter().map(of).collect::<Vec<_>>())),
+    }
+}
+
 /// Whether a name may be another one, mistyped or cut short: a third of its letters may be wrong, one of few.
 fn is_near(name: &str, known: &str) -> bool {
     let letters = name.chars().count();
@@ -44,7 +54,7 @@ fn is_near(name: &str, known: &str) -> bool {
 fn parts<'a>(list: &'a str, option: &str) -> Result<Vec<&'a str>, CliError> {
     let parts: Vec<&str> = list.split(',').map(str::trim).unique().collect();
     if parts.contains(&"") {
-        return Err(CliError::Argument(format!("{option} '{list}' has an empty name")));
+        return refuse(format!("{option} '{list}' has an empty name"));
     }
     Ok(parts)
 }
@@ -120,33 +130,24 @@ pub(super) fn scene(name: &OsStr) -> Result<SceneSource, CliError> {
 
 /// Ray sets: names, folders of rays as `file:DIR`, or all that are listed.
 pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
-    if parts(list, "--rays")?.contains(&"all") {
+    let parts = parts(list, "--rays")?;
+    if parts.contains(&"all") {
         return Ok(RAY_SETS.to_vec());
     }
-    let known: Vec<&str> = RAY_SETS.iter().chain([&HOSTILE]).map(|set| set.name).collect();
-    let find = |name: &str| match name.strip_prefix("file:") {
+    let read = |name: &str| match name.strip_prefix("file:") {
         Some(folder) => Ok(exchange::ray_set(Path::new(folder))?),
-        None => {
-            let set = RAY_SETS.iter().chain([&HOSTILE]).find(|set| set.name == name).copied();
-            set.ok_or_else(|| unknown("ray set", name, &known))
-        }
+        None => find("ray set", name, RAY_SETS.iter().chain([&HOSTILE]).copied(), |set| set.name),
     };
-    parts(list, "--rays")?.into_iter().map(find).collect()
+    parts.into_iter().map(read).collect()
 }
 
 /// Cases: names, or all.
 pub(super) fn cases(list: &str) -> Result<Vec<&'static Case>, CliError> {
-    if parts(list, "--case")?.contains(&"all") {
+    let parts = parts(list, "--case")?;
+    if parts.contains(&"all") {
         return Ok(CASES.iter().collect());
     }
-    let known: Vec<&str> = CASES.iter().map(|case| case.name).collect();
-    let find = |name| cases::find(name).ok_or_else(|| unknown("case", name, &known));
-    parts(list, "--case")?.into_iter().map(find).collect()
-}
-
-fn preset(name: &str) -> Result<Preset, CliError> {
-    let known: Vec<&str> = Preset::ALL.iter().map(|preset| preset.name()).collect();
-    Preset::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| unknown("preset", name, &known))
+    parts.into_iter().map(|name| find("case", name, CASES.iter(), |case| case.name)).collect()
 }
 
 /// Tracers: `NAME[:PRESET][@PARAMETER=VALUE...]`,... or `all[:PRESET]`, with `--set` values on top.
@@ -158,13 +159,11 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
         let own: Vec<&str> = pieces.collect();
         let (name, preset) = match head.split_once(':') {
             None => (head, Preset::Published),
-            Some((name, text)) => (name, preset(text)?),
+            Some((name, text)) => (name, find("preset", text, Preset::ALL.into_iter(), |preset| preset.name())?),
         };
         let required = name != "all";
         if !required && !own.is_empty() {
-            return Err(CliError::Argument(format!(
-                "--tracer '{part}': parameters are those of one tracer; name it in place of all"
-            )));
+            return refuse(format!("--tracer '{part}': parameters are those of one tracer; name it in place of all"));
         }
         let all = TRACERS.iter().flat_map(|each| TracerRequest::forms(each, preset));
         let chosen = if required { vec![TracerRequest::of(named(name)?, preset)] } else { all.collect() };
@@ -187,23 +186,17 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
             }
         }
     }
-    let idle = idle(settings, &requests);
-    apply_all(settings, &mut requests)?;
+    let idle = apply_all(settings, &mut requests)?;
     idle.map_or(Ok(requests), Err)
 }
 
-/// That a `--set` has nothing to set: all requests of its tracer have a value of their own there.
-fn idle(settings: &[String], requests: &[TracerRequest]) -> Option<CliError> {
-    settings.iter().find_map(|setting| {
-        let (tracer, parameter, _) = split(setting).ok()?;
-        let mut own = requests.iter().filter(|request| request.name() == tracer).peekable();
-        own.peek()?;
-        own.all(|request| request.changed.iter().any(|name| name == parameter)).then(|| {
-            CliError::Argument(format!(
-                "--set {setting} sets nothing: every {tracer} in --tracer has its own value of {parameter}"
-            ))
-        })
-    })
+/// The only tracer of a list; `else_refused` says that there may be no more.
+pub(super) fn one_tracer(list: &str, settings: &[String], else_refused: &str) -> Result<TracerRequest, CliError> {
+    let mut tracers = tracers(list, settings)?;
+    match (tracers.pop(), tracers.as_slice()) {
+        (Some(tracer), []) => Ok(tracer),
+        _ => refuse(else_refused),
+    }
 }
 
 /// The tracers of a table with `--set` values on top; none is required, since nobody has named it.
@@ -224,7 +217,7 @@ pub(super) fn peers(table: &peers::Table, settings: &[String]) -> Result<Vec<Tra
 /// The tracers of an experiment's steps with `--set` values on top; values that a row is about stay.
 pub(super) fn steps(experiment: &Experiment, settings: &[String]) -> Result<Vec<Vec<TracerRequest>>, CliError> {
     let mut steps = experiment.requests();
-    steps.iter_mut().try_for_each(|step| apply_all(settings, step))?;
+    steps.iter_mut().try_for_each(|step| apply_all(settings, step).map(drop))?;
     Ok(steps)
 }
 
@@ -234,21 +227,17 @@ pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Resul
     for each in wanted {
         let (tracer, parameter, values) = split(each)?;
         if let Some(is) = renames::renamed(|kind| kind == Kind::Parameter, parameter) {
-            return Err(CliError::Argument(format!("--only {each}: {is}")));
+            return refuse(format!("--only {each}: {is}"));
         }
-        let own = || steps.iter().flatten().filter(|request| request.name() == tracer);
-        let known: Vec<String> =
-            own().filter_map(|request| Some(request.parameters.value(parameter)?.to_string())).collect();
-        let lost = values.split(',').find(|value| !known.iter().any(|known| known == value));
-        if let Some(value) = lost {
-            let mut known = known;
-            known.sort();
-            known.dedup();
-            let known = if known.is_empty() { "no row has that".to_owned() } else { known.join(", ") };
-            return Err(CliError::Argument(format!("--only {each}: no row has {value}; there are: {known}")));
+        let of = |request: &TracerRequest| Some(request.parameters.value(parameter)?.to_string());
+        let own = steps.iter().flatten().filter(|request| request.name() == tracer);
+        let known: BTreeSet<String> = own.filter_map(of).collect();
+        if let Some(value) = values.split(',').find(|value| !known.contains(*value)) {
+            let known = if known.is_empty() { "no row has that".to_owned() } else { known.iter().join(", ") };
+            return refuse(format!("--only {each}: no row has {value}; there are: {known}"));
         }
         let stays = |request: &TracerRequest| {
-            let own = request.parameters.value(parameter).map(ToString::to_string).unwrap_or_default();
+            let own = of(request).unwrap_or_default();
             request.name() != tracer || values.split(',').any(|value| value == own)
         };
         steps.iter_mut().for_each(|step| step.retain(stays));
@@ -258,8 +247,7 @@ pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Resul
 
 /// A table by name.
 pub(super) fn table(name: &str) -> Result<Table, CliError> {
-    let known: Vec<&str> = Table::all().map(Table::name).collect();
-    Table::find(name).ok_or_else(|| unknown("table", name, &known))
+    find("table", name, Table::all(), |table| table.name())
 }
 
 /// What `--set` says about ray sets.
@@ -281,7 +269,7 @@ pub(super) fn ray_values(settings: &[String]) -> Result<Parameters, CliError> {
 pub(super) fn tracers_only(settings: &[String]) -> Result<(), CliError> {
     match settings.iter().find(|setting| setting.starts_with("rays.")) {
         None => Ok(()),
-        Some(setting) => Err(CliError::Argument(format!("--set {setting}: cases bring their own rays"))),
+        Some(setting) => refuse(format!("--set {setting}: cases bring their own rays")),
     }
 }
 
@@ -290,13 +278,10 @@ const RAYS: &str = "rays";
 
 /// The parts of `tracer.parameter=value`.
 fn split(setting: &str) -> Result<(&str, &str, &str), CliError> {
-    let parts = setting.split_once('=').and_then(|(path, value)| {
-        let (of, parameter) = path.split_once('.')?;
-        Some((of, parameter, value))
-    });
-    parts.ok_or_else(|| {
-        CliError::Argument(format!("--set '{setting}' must read tracer.parameter=value or rays.parameter=value"))
-    })
+    match setting.split_once('=').and_then(|(path, value)| Some((path.split_once('.')?, value))) {
+        Some(((of, parameter), value)) => Ok((of, parameter, value)),
+        None => refuse(format!("--set '{setting}' must read tracer.parameter=value or rays.parameter=value")),
+    }
 }
 
 fn refused(known: &[ParameterDescription], of: &str, parameter: &str, error: ParameterError) -> CliError {
@@ -305,9 +290,7 @@ fn refused(known: &[ParameterDescription], of: &str, parameter: &str, error: Par
             let known: Vec<&str> = known.iter().map(|each| each.name).collect();
             unknown(&format!("parameter of {of}"), parameter, &known)
         }
-        ParameterError::Value { .. } | ParameterError::Missing { .. } => {
-            CliError::Argument(format!("--set {of}: {error}"))
-        }
+        error => CliError::Argument(format!("--set {of}: {error}")),
     }
 }
 
@@ -324,16 +307,18 @@ fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), 
     request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
 }
 
-/// Applies every `--set` that is about a tracer. Values that stand with a tracer's own name are more particular and stay.
-fn apply_all(settings: &[String], requests: &mut [TracerRequest]) -> Result<(), CliError> {
+/// Applies every `--set` that is about a tracer. Values that stand with a tracer's own name are more particular and stay; gives the first
+/// that has nothing to set, since all requests of its tracer have a value of their own there.
+fn apply_all(settings: &[String], requests: &mut [TracerRequest]) -> Result<Option<CliError>, CliError> {
     let own: Vec<Vec<String>> = requests.iter().map(|request| request.changed.clone()).collect();
+    let mut idle = None;
     for setting in settings {
         let (tracer, parameter, value) = split(setting)?;
         if tracer == RAYS {
             continue;
         }
         named(tracer)?;
-        let mut applied = false;
+        let (mut applied, mut sets) = (false, false);
         for (request, own) in requests.iter_mut().zip(&own).filter(|(request, _)| request.name() == tracer) {
             applied = true;
             if own.iter().any(|name| name == parameter) {
@@ -341,13 +326,18 @@ fn apply_all(settings: &[String], requests: &mut [TracerRequest]) -> Result<(), 
                 set(&mut request.clone(), parameter, value)?;
             } else {
                 set(request, parameter, value)?;
+                sets = true;
             }
         }
         if !applied {
-            return Err(CliError::Argument(format!("--set {setting}: {tracer} is not in --tracer")));
+            return refuse(format!("--set {setting}: {tracer} is not in --tracer"));
+        }
+        if !sets && idle.is_none() {
+            let why = format!("every {tracer} in --tracer has its own value of {parameter}");
+            idle = Some(CliError::Argument(format!("--set {setting} sets nothing: {why}")));
         }
     }
-    Ok(())
+    Ok(idle)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::CliError;
+use super::{CliError, fail};
 
 /// The most lines that a verb ends with.
 const MAX_LINES: usize = 25;
@@ -16,7 +16,7 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(CliError::Other(format!("cannot write to standard output: {error}; send it elsewhere")))
+            fail(format!("cannot write to standard output: {error}; send it elsewhere"))
         }
         _ => Ok(()),
     }

@@ -7,10 +7,10 @@ use serde_json::json;
 use tracebench_api::Invalidation;
 
 use super::arguments::{Selection, WorkArguments};
-use super::work::{Clock, Work};
-use super::{CliError, names};
+use super::work::Work;
+use super::{CliError, names, refuse};
 use crate::judge::Rule;
-use crate::plan::TracerRequest;
+use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
 use crate::registry::{self, Registration, TRACERS};
 use crate::report;
@@ -85,18 +85,15 @@ fn over_help() -> String {
 impl SweepArguments {
     fn request(&self) -> Result<TracerRequest, CliError> {
         let own = tracer_of(if self.choose.is_some() { has_choice } else { has_sweep });
-        one_tracer(self.tracer.as_deref().unwrap_or(own), &self.work.common.settings)
+        let list = self.tracer.as_deref().unwrap_or(own);
+        let refused = format!("--tracer '{list}': a sweep takes one tracer");
+        names::one_tracer(list, &self.work.common.settings, &refused)
     }
 
     fn selection(&self) -> Result<Selection, CliError> {
         let (scene, rays) = if self.choose.is_some() { ("all", "specular,diffuse") } else { ("room", "diffuse") };
         let scene = self.scene.as_deref().unwrap_or(OsStr::new(scene));
         Selection::of(scene, self.request().map(|request| vec![request]), self.rays.as_deref().unwrap_or(rays))
-    }
-
-    /// The rule by which a value is chosen.
-    fn rule(&self) -> Option<Rule> {
-        self.choose.as_deref().and_then(|name| Rule::ALL.into_iter().find(|rule| rule.name() == name))
     }
 
     /// What is swept round a request's own values.
@@ -113,7 +110,7 @@ impl SweepArguments {
         let axes = axes(request, &wanted, option)?;
         match (&self.grid, axes.len()) {
             (Some(grid), count) if count != 2 => {
-                Err(CliError::Argument(format!("--grid '{grid}' has {count} parameters, it takes two")))
+                refuse(format!("--grid '{grid}' has {count} parameters, it takes two"))
             }
             _ => Ok(axes),
         }
@@ -122,13 +119,13 @@ impl SweepArguments {
     /// The one parameter of which a value is chosen: the one that is named, or the one that the tracer's registration names.
     fn axis(&self, request: &TracerRequest) -> Result<AxisRecord, CliError> {
         let over = match (self.over.as_slice(), request.registration.tune) {
-            ([], None) => return Err(CliError::Argument(which(request))),
+            ([], None) => return refuse(which(request)),
             ([], Some(own)) => vec![own.to_owned()],
             (over, _) => over.to_vec(),
         };
         let mut found = axes(request, &over, "--over")?;
         let (Some(axis), []) = (found.pop(), found.as_slice()) else {
-            return Err(CliError::Argument(format!("--over '{}': --choose takes one parameter", over.join(","))));
+            return refuse(format!("--over '{}': --choose takes one parameter", over.join(",")));
         };
         let name = &axis.name;
         let why = if name == RESOLUTION {
@@ -140,7 +137,7 @@ impl SweepArguments {
         } else {
             return Ok(axis);
         };
-        Err(CliError::Argument(why))
+        refuse(why)
     }
 }
 
@@ -150,15 +147,6 @@ fn which(request: &TracerRequest) -> String {
     let worth: Vec<&str> = described.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name).collect();
     let worth = if worth.is_empty() { "it has none with values to choose from".to_owned() } else { worth.join(", ") };
     format!("which parameter of {} is to be chosen? Name one with --over: {worth}", request.name())
-}
-
-/// The only tracer that is swept.
-fn one_tracer(list: &str, settings: &[String]) -> Result<TracerRequest, CliError> {
-    let mut tracers = names::tracers(list, settings)?;
-    match (tracers.pop(), tracers.as_slice()) {
-        (Some(tracer), []) => Ok(tracer),
-        _ => Err(CliError::Argument(format!("--tracer '{list}': a sweep takes one tracer"))),
-    }
 }
 
 /// What is swept where nothing is said.
@@ -184,7 +172,7 @@ fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<A
         let mut values_may_follow = false;
         for part in list.split(',').map(str::trim) {
             if part.is_empty() {
-                return Err(CliError::Argument(format!("{option} '{list}' has an empty name or value")));
+                return refuse(format!("{option} '{list}' has an empty name or value"));
             }
             let (name, value) = part.split_once('=').map_or((part, None), |(name, value)| (name, Some(value.trim())));
             if !known.contains(&name) {
@@ -195,10 +183,10 @@ fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<A
                 continue;
             }
             if wanted.iter().any(|(other, _)| other == name) {
-                return Err(CliError::Argument(format!("{option}: {name} is there twice")));
+                return refuse(format!("{option}: {name} is there twice"));
             }
             if value == Some("") {
-                return Err(CliError::Argument(format!("{option} '{list}': {name}= has no values")));
+                return refuse(format!("{option} '{list}': {name}= has no values"));
             }
             values_may_follow = value.is_some();
             wanted.push((name.to_owned(), value.map(|value| vec![value.to_owned()])));
@@ -218,29 +206,28 @@ fn refused(error: &SweepError, option: &str) -> CliError {
 pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
     let axes = arguments.axes(&arguments.request()?)?;
-    if let Some(rule) = arguments.rule() {
+    let named = |name: &str| Rule::ALL.into_iter().find(|rule| rule.name() == name);
+    if let Some(rule) = arguments.choose.as_deref().and_then(named) {
         return choose(arguments, rule, progress);
     }
     let grid = arguments.grid.is_some();
-    let option = if grid { "--grid" } else { "--over" };
-    let checked = arguments.work.plan(arguments.selection()?, || false)?;
-    Sweep::new(&checked, axes, grid).map_err(|error| refused(&error, option))?;
-    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Timed, progress)?;
-    // By the means that it has here.
+    let sweep = |plan: &Plan, axes: Vec<AxisRecord>| {
+        let option = if grid { "--grid" } else { "--over" };
+        Sweep::new(plan, axes, grid).map_err(|error| refused(&error, option))
+    };
+    sweep(&arguments.work.plan(arguments.selection()?, || false)?, axes)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), "sweep", progress)?;
+    // By the means that it has here; and the preset of the adapter's kind may have other edges.
     let axes = arguments.axes(&work.plan.tracers[0])?;
-    let sweep = Sweep::new(&work.plan, axes.clone(), grid).map_err(|error| {
-        // The preset of the adapter's kind may have other edges.
-        work.bench.out.abandon();
-        refused(&error, option)
-    })?;
+    let sweep = sweep(&work.plan, axes.clone()).inspect_err(|_| work.bench.out.abandon())?;
     progress.say(&format!("{} points", sweep.size()));
     let words = json!({ "axes": axes, "grid": grid });
-    work.study("sweep", words, report::SWEEP_PAGE, progress, |context| sweep.execute(context)).map(drop)
+    work.study(words, (report::SWEEP_PAGE, None), |context| sweep.execute(context)).map(drop)
 }
 
 /// Shows what the choice of a parameter costs.
 fn choose(arguments: &SweepArguments, rule: Rule, progress: &Progress) -> Result<(), CliError> {
-    let work = Work::prepare(&arguments.work, || arguments.selection(), Clock::Untimed, progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.selection(), CHOOSE, progress)?;
     // By the means that it has here.
     let request = &work.plan.tracers[0];
     let axis = arguments.axis(request)?;
@@ -248,7 +235,7 @@ fn choose(arguments: &SweepArguments, rule: Rule, progress: &Progress) -> Result
     let tune = Tune::new(&work.plan, request, axis, rule)
         .map_err(|error| refused(&error, "--over"))
         .inspect_err(|_| work.bench.out.abandon())?;
-    work.study(CHOOSE, words, report::TUNE_PAGE, progress, |context| tune.execute(context)).map(drop)
+    work.study(words, (report::TUNE_PAGE, None), |context| tune.execute(context)).map(drop)
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use serde_json::Value;
 
 use super::arguments::TableArguments;
 use super::output::{print, print_head, print_page};
-use super::run::folder_of;
-use super::work::{Clock, Work, all_measured, described, fresh_folder, refuse_others};
-use super::{CliError, names};
+use super::records::folder_of;
+use super::work::{Work, all_measured, fresh_folder, refuse_others};
+use super::{CliError, fail, names, refuse};
 use crate::files::OutputFolder;
 use crate::measure;
 use crate::papers::{self, Experiment, PART_SETTINGS, Paper};
@@ -35,70 +35,62 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         (!matches!(table, Table::Paper(..)) && of_papers, "--only, --tuned, --few-rows, --estimate", "is no paper's"),
     ];
     if let Some((_, options, why)) = refused.into_iter().find(|(is_refused, ..)| *is_refused) {
-        return Err(CliError::Argument(format!("{options}: table {} {why}", table.name())));
+        return refuse(format!("{options}: table {} {why}", table.name()));
     }
     if let (Table::Paper(paper, experiment), Some(path)) = (table, &arguments.estimate) {
-        return estimate(table, paper, experiment, arguments, path);
+        return arguments.estimate(table, paper, experiment, path);
     }
     match arguments.from.as_slice() {
         [] => {}
         [path] => return again(table, path, arguments.work.output.out.as_deref()),
-        _ => return Err(CliError::Argument(format!("--from: table {} is made of one record", table.name()))),
+        _ => return refuse(format!("--from: table {} is made of one record", table.name())),
     }
-    let mut work = Work::prepare(&arguments.work, || arguments.selection(table), Clock::Timed, progress)?;
-    match table {
-        Table::Settings(_) => {
-            work.measure("table", progress)?;
+    let Work { mut plan, bench } = Work::prepare(&arguments.work, || arguments.selection(table), "table", progress)?;
+    let plans = match table {
+        Table::Paper(paper, experiment) => {
+            let plans = arguments.plans(paper, experiment, &mut plan);
+            let mut plans = plans.inspect_err(|_| bench.out.abandon())?;
+            plans.iter_mut().for_each(|plan| bench.give_launch_settings(&mut plan.tracers));
+            plans
         }
-        Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
-        Table::Exact => {
-            let plans = exact::plans(&work.plan);
-            let words = described("table", &plans, Value::Null);
-            let record = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
-            print_table(table, work.bench.out.path())?;
-            all_measured(&work.plan, &record)?;
-            return all_right(table, &record);
-        }
-        Table::Claims(_) => {}
+        Table::Exact => exact::plans(&plan),
+        Table::Settings(_) | Table::Claims(_) => vec![plan.clone()],
+    };
+    let record = bench.measure(&plans, Value::Null, |context| measure::execute_all(&plans, context))?;
+    print_table(table, bench.out.path())?;
+    if is_exact {
+        all_measured(&plan, &record)?;
     }
-    print_table(table, work.bench.out.path())
+    all_right(table, &record)
 }
 
-/// Runs an experiment's steps into one run.
-fn measure(
-    paper: &Paper,
-    experiment: &'static Experiment,
-    arguments: &TableArguments,
-    work: &mut Work<'_>,
-    progress: &Progress,
-) -> Result<(), CliError> {
-    let mut plans = plans(paper, experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
-    plans.iter_mut().for_each(|plan| work.bench.give_launch_settings(&mut plan.tracers));
-    let words = described("table", &plans, Value::Null);
-    work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
-    Ok(())
-}
-
-/// What an experiment runs over a base plan.
-fn plans(
-    paper: &Paper,
-    experiment: &'static Experiment,
-    arguments: &TableArguments,
-    base: &mut Plan,
-) -> Result<Vec<Plan>, CliError> {
-    let settings = &arguments.work.common.settings;
-    let of_part = PART_SETTINGS.iter().filter(|_| arguments.few_rows);
-    let own = of_part.chain(&experiment.settings).map(|setting| (*setting).to_owned());
-    // What the user says comes later and counts.
-    base.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
-    let mut steps = names::steps(experiment, settings)?;
-    names::only(&mut steps, &arguments.only)?;
-    if arguments.few_rows {
-        paper.take_part(experiment, base, &mut steps);
+impl TableArguments {
+    /// What an experiment runs over a base plan.
+    fn plans(&self, paper: &Paper, experiment: &'static Experiment, base: &mut Plan) -> Result<Vec<Plan>, CliError> {
+        let settings = &self.work.common.settings;
+        let of_part = PART_SETTINGS.iter().filter(|_| self.few_rows);
+        let own = of_part.chain(&experiment.settings).map(|setting| (*setting).to_owned());
+        // What the user says comes later and counts.
+        base.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
+        let mut steps = names::steps(experiment, settings)?;
+        names::only(&mut steps, &self.only)?;
+        if self.few_rows {
+            paper.take_part(experiment, base, &mut steps);
+        }
+        let plans = experiment.plans(base, &steps).map_err(|error| CliError::Argument(error.to_string()))?;
+        let plans: Vec<Plan> = plans.into_iter().filter(|plan| !plan.tracers.is_empty()).collect();
+        self.tuned.as_ref().map_or(Ok(plans.clone()), |path| tuned(&plans, path))
     }
-    let plans = experiment.plans(base, &steps).map_err(|error| CliError::Argument(error.to_string()))?;
-    let plans: Vec<Plan> = plans.into_iter().filter(|plan| !plan.tracers.is_empty()).collect();
-    arguments.tuned.as_ref().map_or(Ok(plans.clone()), |path| tuned(&plans, path))
+
+    /// Tells how long a table would take, by the rows of a run.
+    fn estimate(&self, table: Table, of: &Paper, experiment: &'static Experiment, by: &Path) -> Result<(), CliError> {
+        let record = report::read_run(by)?;
+        // On an adapter of the kind that the run had.
+        let hardware = record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software");
+        let mut base = self.work.plan(self.selection(table)?, || hardware)?;
+        let plans = self.plans(of, experiment, &mut base)?;
+        print(&format!("{}\n", papers::Duration::of(&plans, &record).describe(table.name())))
+    }
 }
 
 /// The plans by scene, with the value that a tuning found elsewhere in those rows that say nothing of its parameter.
@@ -128,22 +120,6 @@ fn tuned(plans: &[Plan], path: &Path) -> Result<Vec<Plan>, CliError> {
     plans.iter().flat_map(|plan| plan.scenes.iter().map(move |scene| of_scene(plan, scene))).collect()
 }
 
-/// Tells how long a table would take.
-fn estimate(
-    table: Table,
-    paper: &Paper,
-    experiment: &'static Experiment,
-    arguments: &TableArguments,
-    path: &Path,
-) -> Result<(), CliError> {
-    let record = report::read_run(path)?;
-    // On an adapter of the kind that the run had.
-    let hardware = record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software");
-    let mut base = arguments.work.plan(arguments.selection(table)?, || hardware)?;
-    let plans = plans(paper, experiment, arguments, &mut base)?;
-    print(&format!("{}\n", papers::Duration::of(&plans, &record).describe(table.name())))
-}
-
 /// Makes the table of what was measured before.
 fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliError> {
     // Read before anything is written.
@@ -158,7 +134,7 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
 /// That nothing speaks against what was measured.
 fn all_right(table: Table, record: &Record) -> Result<(), CliError> {
     let fault = if let Table::Exact = table { exact::fault(record) } else { None };
-    fault.map_or(Ok(()), |fault| Err(CliError::Other(fault)))
+    fault.map_or(Ok(()), fail)
 }
 
 /// Of a paper's table the verdicts are the answer.
@@ -170,15 +146,15 @@ fn print_table(table: Table, folder: &Path) -> Result<(), CliError> {
 fn claims(paper: &Paper, from: &[PathBuf], out: Option<&Path>) -> Result<(), CliError> {
     let place = |path: &PathBuf| std::fs::canonicalize(folder_of(path)).unwrap_or_else(|_| path.clone());
     if let Some(twice) = from.iter().duplicates_by(|path| place(path)).next() {
-        return Err(CliError::Argument(format!("{}: it is given twice", twice.display())));
+        return refuse(format!("{}: it is given twice", twice.display()));
     }
     let rows = from.iter().map(|path| report::read_run(path)).collect::<Result<Vec<_>, _>>()?;
     let of_paper = |record: &Record| record.table.as_deref().is_some_and(|table| paper.experiment(table).is_some());
     if !rows.is_empty() && !rows.iter().any(of_paper) {
-        return Err(CliError::Argument(format!(
+        return refuse(format!(
             "none of these runs is of a table of {}: `tracebench list tables` names them, `tracebench table NAME` makes one",
             paper.name
-        )));
+        ));
     }
     let folder = out.map_or_else(fresh_folder, OutputFolder::open)?;
     refuse_others(folder.path(), from.iter())?;

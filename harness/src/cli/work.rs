@@ -1,6 +1,7 @@
 //! What every measuring verb does round its work: device, folder, lock, journal, record.
 
 use std::fs::File;
+use std::io::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,16 +10,16 @@ use serde_json::{Value, json};
 
 use super::arguments::{Selection, WorkArguments};
 use super::output::print_page;
-use super::{CliError, open_device, stop};
+use super::{CliError, fail_for, open_device, refuse, stop};
 use crate::files::{FileError, OutputFolder};
 use crate::launch;
 use crate::machine;
-use crate::measure::{self, Context, Journal, RunError, records};
+use crate::measure::{Context, Journal, RunError, records};
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::{self, ReportError};
-use crate::results::{LaunchRecord, LaunchSettings, Provenance, Record, ShardRecord, Skipped};
+use crate::results::{LaunchRecord, LaunchSettings, Provenance, Record, ShardRecord, Skipped, UNTIMED};
 use crate::tables;
 use crate::truth::Cache;
 
@@ -42,65 +43,10 @@ pub(super) struct OutputArguments {
     pub launch: Option<LaunchSettings>,
 }
 
-impl OutputArguments {
-    /// The means of requests where nothing is set: those that are given, those that the run was begun with, or what a probe says.
-    fn launch(
-        &self,
-        device: &Device,
-        requests: &[TracerRequest],
-        clock: Clock,
-        progress: &Progress,
-    ) -> Result<Option<LaunchRecord>, CliError> {
-        if !requests.iter().any(TracerRequest::has_launch_settings) {
-            return Ok(None);
-        }
-        let told = std::env::var(launch::VARIABLE).ok().filter(|text| !text.is_empty());
-        let told = told.map(|text| {
-            launch::parse(&text).map_err(|error| CliError::Argument(format!("{}: {error}", launch::VARIABLE)))
-        });
-        if let Some(launch) = self.launch.clone().map(Ok).or(told).transpose()? {
-            return Ok(Some(LaunchRecord { launch, probe: None }));
-        }
-        let begun = self.out.as_deref().filter(|_| self.resume).and_then(|out| {
-            Journal::launch_of(out).or_else(|| report::read_run(out).ok().and_then(|record| record.provenance.launch))
-        });
-        if begun.is_some() {
-            return Ok(begun);
-        }
-        let probed = {
-            // Like everything that is timed, where times are taken.
-            let _turn = (clock == Clock::Timed && device.is_ok()).then(wait_for_turn);
-            launch::probe(device)?
-        };
-        if let Some(LaunchRecord { launch, probe: Some(probe) }) = &probed {
-            progress.say(&format!(
-                "launch settings: {launch} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
-                probe.texture_gain(),
-                probe.many_rays,
-                probe.many_rays_gain()
-            ));
-        }
-        Ok(probed)
-    }
-}
-
 fn shard(text: &str) -> Result<[u32; 2], String> {
     let parts = text.split_once('/').and_then(|(index, count)| Some([index.parse().ok()?, count.parse().ok()?]));
     let sound = parts.filter(|[index, count]: &[u32; 2]| (1..=*count).contains(index) && *count <= 10_000);
     sound.ok_or_else(|| "I/N with I from 1 to N, and N at most 10000, like 2/8".to_owned())
-}
-
-/// Whether a verb takes times: only one process of a machine may.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Clock {
-    /// It does.
-    Timed,
-    /// It does not.
-    Untimed,
-}
-
-pub(super) fn needs_device(requests: &[TracerRequest]) -> bool {
-    requests.iter().any(|request| request.registration.needs_device())
 }
 
 /// What is to be measured, on which device, and where the results go.
@@ -114,76 +60,50 @@ impl<'a> Work<'a> {
     pub(super) fn prepare(
         arguments: &'a WorkArguments,
         selection: impl Fn() -> Result<Selection, CliError>,
-        clock: Clock,
-        progress: &Progress,
+        verb: &'static str,
+        progress: &'a Progress,
     ) -> Result<Self, CliError> {
         let checked = arguments.plan(selection()?, || false)?;
-        let device = open_device(
-            &arguments.common.device,
-            needs_device(&checked.tracers),
-            checked.tracers.iter().any(TracerRequest::must_have_device),
-        )?;
+        let device = open_device(&arguments.common.device, &checked.tracers)?;
         let mut plan = arguments.plan(selection()?, || device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
-        let bench = Bench::open(device, &arguments.output, clock, &mut plan.tracers, progress)?;
+        let bench = Bench::open(device, &arguments.output, verb, &mut plan.tracers, progress)?;
         say_plan(&plan, bench.device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
         Ok(Self { plan, bench })
     }
 
-    /// Measures what a study asks of the plan, with further words of it, and prints the answer of its page.
+    /// Measures what a study asks of the plan, with further words of it, and prints the answer of its page, from a heading on if one is given.
     pub(super) fn study(
         &self,
-        verb: &str,
         words: Value,
-        page: &str,
-        progress: &Progress,
+        (page, heading): (&str, Option<&str>),
         execute: impl FnOnce(&Context<'_>) -> Result<Record, RunError>,
     ) -> Result<Record, CliError> {
-        let plan = described(verb, std::slice::from_ref(&self.plan), words);
-        let record = self.bench.measure(&plan, progress, execute)?;
-        print_page(&self.bench.out.path().join(page), None)?;
+        let record = self.bench.measure(std::slice::from_ref(&self.plan), words, execute)?;
+        print_page(&self.bench.out.path().join(page), heading)?;
         Ok(record)
-    }
-
-    /// Runs the plan and writes everything.
-    pub(super) fn measure(&self, verb: &str, progress: &Progress) -> Result<Record, CliError> {
-        let plan = described(verb, std::slice::from_ref(&self.plan), Value::Null);
-        self.bench.measure(&plan, progress, |context| measure::execute(&self.plan, context))
     }
 }
 
 /// That all was measured that was asked for by name: what could not be is no reason to lose the rest, but the run did not
 /// go well.
 pub(super) fn all_measured(plan: &Plan, record: &Record) -> Result<(), CliError> {
-    let named: Vec<String> = plan
-        .tracers
-        .iter()
-        .filter(|request| request.required)
-        .map(|request| records::request_record(request).label())
-        .collect();
+    let named = plan.tracers.iter().filter(|request| request.required);
+    let named: Vec<String> = named.map(|request| records::request_record(request).label()).collect();
     let refused = |one: &&Skipped| one.rays.is_none() && one.tracer.as_ref().is_some_and(|label| named.contains(label));
     let told =
         |one: &Skipped| format!("{} in {}: {}", one.tracer.as_deref().unwrap_or_default(), one.scene, one.reason);
     let refused: Vec<String> = record.skipped.iter().filter(refused).map(told).collect();
-    match refused.is_empty() {
-        true => Ok(()),
-        false => Err(CliError::Other(format!(
-            "not measured, the rest is kept: {}; leave it out of --tracer if that cannot be helped",
-            refused.join("; ")
-        ))),
-    }
-}
-
-/// What a plan says, as the journal keeps it: the same words mean the same work.
-pub(super) fn described(verb: &str, plans: &[Plan], further: Value) -> Value {
-    let plans: Vec<Value> = plans.iter().map(Plan::describe).collect();
-    json!({ "verb": verb, "plans": plans, "adaptive": further })
+    fail_for(&refused, "; ", |refused| {
+        format!("not measured, the rest is kept: {refused}; leave it out of --tracer if that cannot be helped")
+    })
 }
 
 /// A device and a folder.
 pub(super) struct Bench<'a> {
     pub(super) device: Device,
     pub(super) out: Arc<OutputFolder>,
-    clock: Clock,
+    verb: &'static str,
+    progress: &'a Progress,
     launch: Option<LaunchRecord>,
     arguments: &'a OutputArguments,
 }
@@ -193,19 +113,58 @@ impl<'a> Bench<'a> {
     pub(super) fn open(
         device: Device,
         arguments: &'a OutputArguments,
-        clock: Clock,
+        verb: &'static str,
         requests: &mut [TracerRequest],
-        progress: &Progress,
+        progress: &'a Progress,
     ) -> Result<Self, CliError> {
         let out = Arc::new(match &arguments.out {
             Some(path) => OutputFolder::open(path)?,
             None => fresh_folder()?,
         });
         stop::keeps(Some(stop::Kept { folder: out.clone(), named: arguments.out.is_some() }));
-        let launch = arguments.launch(&device, requests, clock, progress).inspect_err(|_| out.abandon())?;
-        let bench = Self { device, out, clock, launch, arguments };
+        let mut bench = Self { device, out, verb, progress, launch: None, arguments };
+        bench.launch = bench.launch_of(requests).inspect_err(|_| bench.out.abandon())?;
         bench.give_launch_settings(requests);
         Ok(bench)
+    }
+
+    /// The means of requests where nothing is set: those that are given, those that the run was begun with, or what a probe says.
+    fn launch_of(&self, requests: &[TracerRequest]) -> Result<Option<LaunchRecord>, CliError> {
+        if !requests.iter().any(TracerRequest::has_launch_settings) {
+            return Ok(None);
+        }
+        let told = std::env::var(launch::VARIABLE).ok().filter(|text| !text.is_empty());
+        let told = told.map(|text| {
+            launch::parse(&text).map_err(|error| CliError::Argument(format!("{}: {error}", launch::VARIABLE)))
+        });
+        if let Some(launch) = self.arguments.launch.clone().map(Ok).or(told).transpose()? {
+            return Ok(Some(LaunchRecord { launch, probe: None }));
+        }
+        let begun = self.arguments.out.as_deref().filter(|_| self.arguments.resume).and_then(|out| {
+            Journal::launch_of(out).or_else(|| report::read_run(out).ok().and_then(|record| record.provenance.launch))
+        });
+        if begun.is_some() {
+            return Ok(begun);
+        }
+        let probed = {
+            // Like everything that is timed, where times are taken.
+            let _turn = (self.is_timed() && self.device.is_ok()).then(wait_for_turn);
+            launch::probe(&self.device)?
+        };
+        if let Some(LaunchRecord { launch, probe: Some(probe) }) = &probed {
+            self.progress.say(&format!(
+                "launch settings: {launch} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
+                probe.texture_gain(),
+                probe.many_rays,
+                probe.many_rays_gain()
+            ));
+        }
+        Ok(probed)
+    }
+
+    /// Whether its verb takes times: only one process of a machine may.
+    fn is_timed(&self) -> bool {
+        !UNTIMED.contains(&self.verb)
     }
 
     /// Gives requests the launch settings of all, where nothing is set.
@@ -215,13 +174,16 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Measures by the plan of these words, keeps what ends, and writes the record with what derives from it.
+    /// Measures by plans and further words, keeps what ends, and writes the record with what derives from it. The same words mean the same
+    /// work.
     pub(super) fn measure(
         &self,
-        plan: &Value,
-        progress: &Progress,
+        plans: &[Plan],
+        further: Value,
         work: impl FnOnce(&Context<'_>) -> Result<Record, RunError>,
     ) -> Result<Record, CliError> {
+        let plans: Vec<Value> = plans.iter().map(Plan::describe).collect();
+        let plan = json!({ "verb": self.verb, "plans": plans, "adaptive": further });
         let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
         let of_plan = |[index, count]: [u32; 2]| ShardRecord::here(index, count, plan_sha256.clone());
         let shard = self.arguments.shard.map(of_plan);
@@ -235,7 +197,7 @@ impl<'a> Bench<'a> {
         }
         self.out.check_all(report::may_be_written).inspect_err(|_| self.out.abandon())?;
         if !self.arguments.resume {
-            refuse_another(self.out.path(), plan["verb"].as_str())?;
+            refuse_another(self.out.path(), Some(self.verb))?;
         }
         let machine = machine::this_machine(self.device.as_deref().ok());
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
@@ -245,9 +207,9 @@ impl<'a> Bench<'a> {
         };
         let journal = begun.map_err(|error| CliError::Run(error.into())).inspect_err(|_| self.out.abandon())?;
         // Held until the work is done.
-        let _turn = (self.clock == Clock::Timed).then(wait_for_turn);
+        let _turn = self.is_timed().then(wait_for_turn);
         let cache = Cache::of_user();
-        let mut context = Context::new(&self.device, &cache, progress, &journal);
+        let mut context = Context::new(&self.device, &cache, self.progress, &journal);
         (context.shard, context.launch) = (shard, self.launch.clone());
         let mut record = work(&context).inspect_err(|error| {
             // Where nothing could run there is nothing to go on with.
@@ -263,13 +225,13 @@ impl<'a> Bench<'a> {
             }
         })?;
         if let Some([index, count]) = self.arguments.shard {
-            progress
-                .say(&format!("shard {index} of {count}: what follows tells of this part alone; `merge` joins all"));
+            let what = "what follows tells of this part alone; `merge` joins all";
+            self.progress.say(&format!("shard {index} of {count}: {what}"));
         }
-        say_skipped(&record.skipped, progress);
+        say_skipped(&record.skipped, self.progress);
         record.provenance.plan_sha256 = Some(plan_sha256);
         report::write_run(&record, &self.out, tables::of_run)?;
-        super::page::beside(&record, &self.out)?;
+        super::records::beside(&record, &self.out)?;
         journal.finish();
         stop::keeps(None);
         Ok(record)
@@ -285,10 +247,10 @@ impl<'a> Bench<'a> {
         let folder = self.out.path().display();
         let part = shard.as_ref().map(|shard| [shard.index, shard.count]);
         if own.as_deref() != Some(plan_sha256) || part != self.arguments.shard {
-            return Err(CliError::Argument(format!(
+            return refuse(format!(
                 "{folder} holds a complete record of another plan, begun {started}: leave --resume out to replace it, or choose another folder \
                  with --out"
-            )));
+            ));
         }
         progress::to_stderr(&format!(
             "the record in {folder} is complete, begun {started} by commit {commit}: nothing is measured"
@@ -308,23 +270,16 @@ pub(super) fn wait_for_turn() -> Option<File> {
         None => std::env::temp_dir().join("tracebench.lock"),
     };
     let opened = File::options().read(true).write(true).create(true).truncate(false).open(&path);
+    let warn = |error: &Error, end: &str| progress::to_stderr(&format!("cannot lock {}: {error}{end}", path.display()));
     // Another user's file can be locked all the same.
-    let file = match opened.or_else(|_| File::open(&path)) {
-        Ok(file) => file,
-        Err(error) => {
-            progress::to_stderr(&format!(
-                "cannot lock {}: {error}; another run may be timed beside this one",
-                path.display()
-            ));
-            return None;
-        }
-    };
+    let file = opened.or_else(|_| File::open(&path));
+    let file = file.inspect_err(|error| warn(error, "; another run may be timed beside this one")).ok()?;
     if file.try_lock().is_err() {
         let what = format!("another tracebench takes times on this machine ({} is locked)", path.display());
         progress::to_stderr(&format!("waiting: {what}"));
         stop::waits(Some(what));
         if let Err(error) = file.lock() {
-            progress::to_stderr(&format!("cannot lock {}: {error}", path.display()));
+            warn(&error, "");
         }
         stop::waits(None);
     }
@@ -348,7 +303,7 @@ pub(super) fn refuse_another(out: &Path, own: Option<&str>) -> Result<(), CliErr
         Err(ReportError::Missing(..)) => return Ok(()),
         Err(_) => format!("a {}", report::RUN_FILE),
     };
-    Err(CliError::Argument(format!("{} holds {what}: choose another folder with --out", out.display())))
+    refuse(format!("{} holds {what}: choose another folder with --out", out.display()))
 }
 
 /// Refuses a folder with another record than those that are given: what derives from these would pass for what derives from it.
@@ -359,10 +314,7 @@ pub(super) fn refuse_others<'p>(folder: &Path, mut given: impl Iterator<Item = &
         return Ok(());
     }
     let (folder, file) = (folder.display(), report::record_file(folder));
-    Err(CliError::Argument(format!(
-        "{folder} holds the record of another run, {}: choose another folder",
-        file.display()
-    )))
+    refuse(format!("{folder} holds the record of another run, {}: choose another folder", file.display()))
 }
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {

@@ -65,10 +65,7 @@ pub fn read<T: Deserialize + AutoSerialize + NoUninit>(
     file.seek(SeekFrom::Start(end as u64)).map_err(fail)?;
     let order = header.order();
     let data = NpyFile::with_header(header, BufReader::with_capacity(1 << 16, file)).data::<T>().map_err(is_other)?;
-    let mut values = Vec::with_capacity(count);
-    for value in data {
-        values.push(value.map_err(fail)?);
-    }
+    let values = data.collect::<Result<Vec<T>, _>>().map_err(fail)?;
     if let (Order::Fortran, Some(columns)) = (order, columns) {
         return Ok((0..count).map(|at| values[at % columns * rows + at / columns]).collect());
     }

@@ -1,7 +1,7 @@
 //! A set of rays as a folder: a manifest, an array a field, and the truth.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -140,27 +140,24 @@ pub struct SavedRays {
 
 /// The truth as files, made one after the other.
 fn truth_files(answers: &[Answer]) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
-    type Hits<'a> = Box<dyn Iterator<Item = Option<TrueHit>> + 'a>;
-    let own = move || -> Hits<'_> { Box::new(answers.iter().map(|answer| answer.hit)) };
+    let t = |hit: Option<TrueHit>| hit.map_or(f64::INFINITY, |hit| hit.t);
+    let triangle = |hit: Option<TrueHit>| hit.map_or(NO_TRIANGLE, |hit| hit.primitive);
     let all = |answer: &Answer| answer.perturbed.as_deref().copied().unwrap_or([answer.hit; MOVES]);
-    let moved = move || -> Hits<'_> { Box::new(answers.iter().flat_map(all)) };
-    let t = |hits: Hits<'_>| hits.map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect::<Vec<f64>>();
-    let triangles = |hits: Hits<'_>| hits.map(|hit| hit.map_or(NO_TRIANGLE, |hit| hit.primitive)).collect::<Vec<u32>>();
-    let ambiguous = move || answers.iter().map(Answer::is_ambiguous).collect::<Vec<bool>>();
     TRUTH.into_iter().map(move |name| {
+        let (own, moved) = (answers.iter().map(|answer| answer.hit), answers.iter().flat_map(all));
         let file = match name {
-            "t.npy" => npy::write(None, &t(own())),
-            "triangle.npy" => npy::write(None, &triangles(own())),
-            "ambiguous.npy" => npy::write(None, &ambiguous()),
-            "perturbed_t.npy" => npy::write(Some(MOVES), &t(moved())),
-            _ => npy::write(Some(MOVES), &triangles(moved())),
+            "t.npy" => npy::write(None, &own.map(t).collect::<Vec<f64>>()),
+            "triangle.npy" => npy::write(None, &own.map(triangle).collect::<Vec<u32>>()),
+            "ambiguous.npy" => npy::write(None, &answers.iter().map(Answer::is_ambiguous).collect::<Vec<bool>>()),
+            "perturbed_t.npy" => npy::write(Some(MOVES), &moved.map(t).collect::<Vec<f64>>()),
+            _ => npy::write(Some(MOVES), &moved.map(triangle).collect::<Vec<u32>>()),
         };
         (name, file)
     })
 }
 
-/// Writes a set with its truth below a folder of results, into `below` where that is not empty, and gives the paths. `pixels`: column and
-/// row of the pixel that every ray started from, or nothing.
+/// Writes a set with its truth below a folder of results, into `below` where that is not empty. `pixels`: column and row of the pixel that
+/// every ray started from, or nothing.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -170,11 +167,10 @@ pub fn write(
     manifest: &Manifest,
     (rays, answers): (&[Ray], &[Answer]),
     pixels: &[[u32; 2]],
-) -> Result<Vec<PathBuf>, ExchangeError> {
-    let mut paths = Vec::new();
-    let mut put = |name: &str, contents: &[u8]| {
+) -> Result<(), ExchangeError> {
+    let put = |name: &str, contents: &[u8]| {
         let path = if below.is_empty() { name.to_owned() } else { format!("{below}/{name}") };
-        folder.write(&path, contents).map(|path| paths.push(path))
+        folder.write(&path, contents).map(drop)
     };
     let vectors = |of: fn(&Ray) -> [f32; 3]| npy::write(Some(3), &rays.iter().flat_map(of).collect::<Vec<f32>>());
     let ends = |of: fn(&Ray) -> f32| npy::write(None, &rays.iter().map(of).collect::<Vec<f32>>());
@@ -188,7 +184,7 @@ pub fn write(
     truth_files(answers).try_for_each(|(name, file)| put(name, &file))?;
     // The last, so that a folder with one is whole.
     put(MANIFEST, &files::json(MANIFEST, manifest)?)?;
-    Ok(paths)
+    Ok(())
 }
 
 /// Reads the rays of a folder and checks them with their hash. The truth is not looked at.

@@ -8,8 +8,7 @@ use rayon::prelude::*;
 use tracebench_api::{ClockKind, Gpu, PhaseClock, Residency, Timing, TracerError, tick_ms};
 use tracebench_kit::{FixedWork, FixedWorkPlan, fixed_task};
 
-use crate::results::times::whole_ns;
-use crate::results::{ClockTicks, KernelRecord};
+use crate::results::{ClockTicks, KernelRecord, whole_ns};
 use crate::statistics::trend;
 
 /// A kernel has so much work that it takes at least this, milliseconds: far more than a clock's resolution, far less than a round.

@@ -12,10 +12,9 @@ use super::controls::Control;
 use super::interleaved_set::BuildSamples;
 use super::session::PreparedRays;
 use crate::plan::TracerRequest;
-use crate::results::times::whole_ns;
 use crate::results::{
     BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
-    TraceRecord, TracerRecord, ViewpointRecord,
+    TraceRecord, TracerRecord, ViewpointRecord, whole_ns,
 };
 use crate::statistics::{median, median_interval};
 

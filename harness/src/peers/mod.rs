@@ -30,11 +30,6 @@ pub fn all() -> impl Iterator<Item = &'static Table> {
     TABLES.iter().chain(TRACERS.iter().filter_map(|registration| registration.ablation.as_ref()))
 }
 
-/// Finds a table by name.
-pub fn find(name: &str) -> Option<&'static Table> {
-    all().find(|table| table.name == name)
-}
-
 /// The tracer beside which switches stand: the first hierarchy on the device.
 fn peer() -> Option<&'static Registration> {
     registry::first(|registration| registration.family == Family::Bvh && registration.needs_device())
@@ -129,6 +124,10 @@ impl Switched {
 mod tests {
     use super::*;
     use crate::rays::RAY_SETS;
+
+    fn find(name: &str) -> Option<&'static Table> {
+        all().find(|table| table.name == name)
+    }
 
     /// The tables of peers, with the parameter that each sweeps.
     fn of_peers() -> impl Iterator<Item = (&'static Table, &'static str)> {

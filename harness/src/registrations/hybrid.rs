@@ -5,10 +5,7 @@ use std::sync::LazyLock;
 use tracebench_api::{Preset, Tracer, TracerDescription, TracerError};
 use tracebench_hybrid::{Hybrid, Part as Described, description};
 
-use super::{
-    Device, Part, Registration, Told, bvh_gpu, dirt, embedded, fragment_abuffer, height_field, mesh_warp, ploc_gpu,
-    quadtree, ray_query, screen_dda, voxel_abuffer, voxel_octree,
-};
+use super::{Device, Part, Registration, TRACERS, Told, embedded, ploc_gpu, screen_dda};
 
 static TOLD: LazyLock<Told> = LazyLock::new(|| embedded(include_str!("hybrid.json")));
 
@@ -29,31 +26,21 @@ static DEFAULT: &[Part; 2] = &[
 ];
 
 /// What a hybrid can be made of: every tracer on the device.
-static ALL: &[&Registration] = &[
-    &bvh_gpu::REGISTRATION,
-    &ploc_gpu::REGISTRATION,
-    &ray_query::REGISTRATION,
-    &dirt::REGISTRATION,
-    &fragment_abuffer::REGISTRATION,
-    &voxel_abuffer::REGISTRATION,
-    &voxel_octree::REGISTRATION,
-    &quadtree::REGISTRATION,
-    &screen_dda::REGISTRATION,
-    &height_field::REGISTRATION,
-    &mesh_warp::REGISTRATION,
-];
+fn all() -> impl Iterator<Item = &'static Registration> {
+    TRACERS.iter().filter(|each| each.parts.is_none() && each.needs_device())
+}
 
 /// Their names, alone and with each preset.
 static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| {
-    let of = |each: &&Registration| ["", ":published", ":improved"].map(|end| &*format!("{}{end}", each.name()).leak());
-    ALL.iter().flat_map(of).collect()
+    let of = |each: &Registration| ["", ":published", ":improved"].map(|end| &*format!("{}{end}", each.name()).leak());
+    all().flat_map(of).collect()
 });
 
 /// The part of a value of theirs.
 pub(super) fn find(name: &str) -> Option<Part> {
     let name = *NAMES.iter().find(|known| **known == name)?;
     let (tracer, preset) = name.split_once(':').unwrap_or((name, Preset::Published.name()));
-    let registration = *ALL.iter().find(|each| each.name() == tracer)?;
+    let registration = all().find(|each| each.name() == tracer)?;
     let preset = Preset::ALL.into_iter().find(|each| each.name() == preset)?;
     Some(Part { registration, preset, name })
 }

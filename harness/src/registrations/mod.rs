@@ -1,32 +1,94 @@
 //! What the harness alone knows of the tracers, a registration each: which tables it is in, how it is made, what is expected of it on
-//! the stability cases, which remedies tell why its rays are wrong, and what of it is worth sweeping or tuning. How it is made is in a
-//! module, what is told of it in a JSON file of the same name.
+//! the stability cases, which remedies tell why its rays are wrong, and what of it is worth sweeping or tuning. How it is made is an entry
+//! here, what is told of it in the JSON file of the same name.
 
-pub(crate) mod bvh_cpu;
-pub(crate) mod bvh_gpu;
-pub(crate) mod dirt;
 pub mod expectation;
-pub(crate) mod fragment_abuffer;
-pub(crate) mod height_field;
 pub(crate) mod hybrid;
-pub(crate) mod mesh_warp;
-pub(crate) mod ploc_gpu;
-pub(crate) mod quadtree;
-pub(crate) mod ray_query;
-pub(crate) mod screen_dda;
-pub mod table;
-pub(crate) mod voxel_abuffer;
-pub(crate) mod voxel_octree;
 
 use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use tracebench_api::{Gpu, Parameters, Preset, Residency, Tracer, TracerDescription, TracerError};
 
 use crate::results::{ExpectationKind, RemedyRecord};
 pub use expectation::{Expectation, Rasterized};
-pub use table::{Rows, Switched, Table};
+
+/// A module a tracer, with its registration; and the list of all, that of others last.
+macro_rules! registrations {
+    ($($(#[$about:meta])* $name:ident: $description:path, $create:expr;)*) => {
+        $($(#[$about])*
+        mod $name {
+            use super::*;
+
+            static TOLD: LazyLock<Told> = LazyLock::new(|| embedded(include_str!(concat!(stringify!($name), ".json"))));
+
+            pub(super) static REGISTRATION: Registration =
+                Registration { description: $description, create: $create, parts: None, told: &TOLD };
+        })*
+
+        /// Every tracer, in the order of tables.
+        pub static TRACERS: &[Registration] = &[$($name::REGISTRATION,)* hybrid::REGISTRATION];
+    };
+}
+
+registrations! {
+    /// An analytic method in f32 that sees every triangle and no view.
+    bvh_cpu: tracebench_bvh::description, |_| Ok(Box::new(tracebench_bvh::BvhCpu));
+
+    /// An analytic method with a watertight triangle test that sees every triangle and no view.
+    bvh_gpu: tracebench_bvh::gpu_description, |gpu| Ok(Box::new(tracebench_bvh::BvhGpu::new(gpu?)?));
+
+    /// The searches of `bvh-gpu` over hierarchies built on the device.
+    /// Its ablation: fewer neighbours early, late and throughout, and none, of both kinds of nodes.
+    ploc_gpu: tracebench_bvh::ploc_description, |gpu| Ok(Box::new(tracebench_bvh::PlocGpu::new(gpu?)?));
+
+    /// A triangle test that is the driver's own: Vulkan asks drivers for a watertight one (VK_KHR_ray_query, "Watertightness"), and Mesa's
+    /// software driver (25.0) has one. Another driver that does worse comes out as unexpected, which is what its column is for.
+    ray_query: tracebench_bvh::ray_query_description, |gpu| Ok(Box::new(tracebench_bvh::RayQuery::new(gpu?)?));
+
+    /// Analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in every tile.
+    /// Its ablation: from row to row one thing more (hits by their distance, no near plane, rays split near the eye, drawn in compute); then
+    /// the improved form, and single switches of it taken back or turned.
+    dirt: tracebench_dirt::description, |gpu| Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?));
+
+    /// Fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are planes, in every pixel that a
+    /// triangle touches.
+    /// Its ablation: each of the two switches that change what is stored alone, and both; then the improved form, and its switches taken
+    /// back one by one.
+    fragment_abuffer: tracebench_fragment_abuffer::description,
+        |gpu| Ok(Box::new(tracebench_fragment_abuffer::FragmentAbuffer::new(gpu?)?));
+
+    /// Layers at texels' centres along three axes of the scene's bounds, inside told from outside; improved, planes that are clipped to
+    /// texels, each a part of the surface itself.
+    /// Its ablation: from row to row one thing more, up to the best that is known of points and the same with starts lifted off their
+    /// surface; then the improved form, and single switches of it turned.
+    voxel_abuffer: tracebench_voxel_abuffer::description,
+        |gpu| Ok(Box::new(tracebench_voxel_abuffer::VoxelAbuffer::new(gpu?)?));
+
+    /// Every voxel that a triangle touches, and hits as precise as one.
+    /// Where a ray ends in a voxel is never right; what is expected is whether it ends at a surface. Its remedies take away a voxel's extent,
+    /// from its entry to its centre and then all of it.
+    voxel_octree: tracebench_voxel_octree::description,
+        |gpu| Ok(Box::new(tracebench_voxel_octree::VoxelOctree::new(gpu?)?));
+
+    /// Two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
+    /// Its ablation: from row to row one thing more (normals of triangles, thresholds in pixels, the flag from smaller steps, planes that end
+    /// at each other); then the improved form, and single switches of it taken back or turned.
+    quadtree: tracebench_quadtree::description, |gpu| Ok(Box::new(tracebench_quadtree::Quadtree::new(gpu?)?));
+
+    /// One depth a pixel, sampled at pixel centres, from one view.
+    /// Its ablation: each switch alone; then the improved form, and its switches taken back one by one.
+    screen_dda: tracebench_screen_dda::description, |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?));
+
+    /// One depth a pixel from one view, all behind it solid.
+    height_field: tracebench_height_field::description,
+        |gpu| Ok(Box::new(tracebench_height_field::HeightField::new(gpu?)?));
+
+    /// One depth a pixel from one view as a mesh, drawn from where rays start.
+    mesh_warp: tracebench_mesh_warp::description, |gpu| Ok(Box::new(tracebench_mesh_warp::MeshWarp::new(gpu?)?));
+}
 
 /// The device, or why there is none: what a tracer that needs one is skipped for.
 pub type Device = Result<Arc<Gpu>, TracerError>;
@@ -77,6 +139,58 @@ pub struct Touch {
     pub stored: &'static str,
     /// Where they are: the first of these parts that the structure has.
     pub parts: Vec<&'static str>,
+}
+
+/// A table whose rows are tracers at settings.
+#[derive(Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Table {
+    /// Stable name; files are named after it.
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub summary: &'static str,
+    /// Ray sets where nothing else is said, as `--rays` takes them.
+    pub rays: &'static str,
+    /// Its rows.
+    pub rows: Rows,
+}
+
+/// Which tracers at which settings have a row each.
+#[derive(Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rows {
+    /// Tracers of a family side by side.
+    Peers {
+        /// Whose tracers.
+        family: Family,
+        /// A parameter of the first of them, each of whose values worth sweeping has a row.
+        swept: &'static str,
+    },
+    /// Every tracer that searches on the device, by each way to read and to launch.
+    LaunchSettings,
+    /// The switches of the improved form of the tracer whose room has the table, beside the first hierarchy on the device.
+    Switches(Vec<Switched>),
+}
+
+/// A row: a preset with other values.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Switched {
+    /// From which preset.
+    pub preset: Preset,
+    /// Parameters with their values.
+    pub values: Vec<(&'static str, &'static str)>,
+}
+
+impl Deserialize<'static> for Switched {
+    /// In one line: `published lists=packed slices=1`.
+    fn deserialize<D: Deserializer<'static>>(deserializer: D) -> Result<Self, D::Error> {
+        let line = <&'static str>::deserialize(deserializer)?;
+        let (preset, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let preset = Preset::ALL.into_iter().find(|each| each.name() == preset);
+        let values = rest.split_whitespace().map(|word| word.split_once('=')).collect::<Option<_>>();
+        let found = preset.zip(values).map(|(preset, values)| Self { preset, values });
+        found.ok_or_else(|| D::Error::custom(format!("`{line}` is not `PRESET PARAMETER=VALUE ...`")))
+    }
 }
 
 /// A tracer that another one is made of.

@@ -580,6 +580,6 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
 
 /// The table of peers that a run was made for.
 pub(crate) fn tables(record: &Record) -> Result<Report, ReportError> {
-    let table = record.table.as_deref().and_then(crate::peers::find);
+    let table = record.table.as_deref().and_then(|name| crate::peers::all().find(|table| table.name == name));
     Ok(table.map(|table| super::peers::report(table, record)).unwrap_or_default())
 }

@@ -397,7 +397,8 @@ fn tables_set_peers_side_by_side() {
     );
     let plain = Record { table: None, ..record.clone() };
     assert!(write(&plain).1.keys().all(|name| !name.starts_with("table_")));
-    for (name, contents) in peers::report(crate::peers::find("bvh").unwrap(), &plain).contents().unwrap() {
+    let bvh = crate::peers::all().find(|table| table.name == "bvh").unwrap();
+    for (name, contents) in peers::report(bvh, &plain).contents().unwrap() {
         assert!(contents == files[&name], "{name} differs");
     }
 }

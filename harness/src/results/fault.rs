@@ -1,13 +1,16 @@
-//! What no measurement can have come to, whoever wrote it into a record: every rule is a field, whether it holds, and what it must be.
+//! What no measurement can have come to, whoever wrote it into a record: every rule is a field, whether it holds, and what it must be. What
+//! numbers, lists and texts may be, wherever they stand, is looked at by the names of their fields while the document is read, so that
+//! nothing of it is kept.
 
-use serde::de::DeserializeSeed as _;
-use serde_json::Deserializer;
+use std::collections::BTreeSet;
+use std::fmt::{self, Display, Write as _};
+
+use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use tracebench_api::Query;
 
-use super::values::Checked;
 use super::{
-    Accuracy, ByRule, InterleavedSetRecord, Judgement, Percentiles, PoseRecord, RULES_VERSION, Record, Row, Rule,
-    Times, TraceRecord, TrueCounts, WaveRow,
+    Accuracy, AxisRecord, ByRule, InterleavedSetRecord, Judgement, Percentiles, PoseRecord, RULES_VERSION, Record, Row,
+    Rule, Times, TraceRecord, TrueCounts, WaveRow,
 };
 use crate::statistics::median;
 
@@ -17,15 +20,18 @@ pub const CONTROL_NAMES: [&str; 4] = ["oracle", "always-miss", "always-hit", "co
 /// What figures may be off by that are made of others, a share.
 const ROUNDING: f64 = 1e-9;
 
+/// That something is sound; else which field is not as it must be.
+type Sound = Result<(), String>;
+
 impl Record {
     /// Reads a record from a whole JSON document. What can be none of a run is told with the path of its field and what it must be.
     ///
     /// # Errors
     /// Which field that is.
     pub fn read(json: &[u8]) -> Result<Self, String> {
-        let mut path = String::new();
-        Checked::document(&mut path).deserialize(&mut Deserializer::from_slice(json)).map_err(without_place)?;
-        let record: Self = serde_path_to_error::deserialize(&mut Deserializer::from_slice(json)).map_err(|error| {
+        let (reader, mut path) = (|| serde_json::Deserializer::from_slice(json), String::new());
+        Checked::document(&mut path).deserialize(&mut reader()).map_err(without_place)?;
+        let record: Self = serde_path_to_error::deserialize(&mut reader()).map_err(|error| {
             let path = error.path().to_string();
             format!("`{path}`: {}", without_place(error.into_inner()))
         })?;
@@ -34,7 +40,7 @@ impl Record {
     }
 
     /// Whether it can be of a run; else which field is not as it must be.
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Sound {
         let version = self.provenance.rules_version;
         must("", "rules_version", version <= RULES_VERSION, "that of this program or less: take a newer program")?;
         let asked = |name: &&str| self.control_names.iter().any(|one| one == name);
@@ -46,11 +52,9 @@ impl Record {
             each(list, rows, |at, row| self.row(at, row))?;
         }
         each("interleaved_sets", &self.interleaved_sets, interleaved_set_is_sound)?;
-        if let Some(sweep) = &self.sweep {
-            each("sweep.axes", &sweep.axes, |at, axis| {
-                must(at, "values", axis.values.contains(&axis.own), "a list with `own` in it")
-            })?;
-        }
+        let axes = self.sweep.iter().flat_map(|sweep| &sweep.axes);
+        let has_own = |axis: &AxisRecord| axis.values.contains(&axis.own);
+        each("sweep.axes", axes, |at, axis| must(at, "values", has_own(axis), "a list with `own` in it"))?;
         for case in self.cases.iter().flat_map(|record| &record.cases) {
             let filled = !case.difficulty_parameter.values.is_empty();
             must("cases.cases", "difficulty_parameter.values", filled, "filled")?;
@@ -84,13 +88,11 @@ impl Record {
                 must(at, "frames.works.waves", waves.all(sound), rule)
             })?;
         }
-        if let Some(attack) = &self.attack {
-            each("attack.searches", &attack.searches, |at, search| {
-                must(at, "found", !search.found.is_empty(), "filled")?;
-                let sound = |pose: &PoseRecord| pose.wrong <= pose.judged;
-                must(at, "wrong", search.found.iter().chain([&search.random]).all(sound), "no more than `judged`")
-            })?;
-        }
+        each("attack.searches", self.attack.iter().flat_map(|attack| &attack.searches), |at, search| {
+            must(at, "found", !search.found.is_empty(), "filled")?;
+            let sound = |pose: &PoseRecord| pose.wrong <= pose.judged;
+            must(at, "wrong", search.found.iter().chain([&search.random]).all(sound), "no more than `judged`")
+        })?;
         if let Some(pareto) = &self.pareto {
             each("pareto.scenes", &pareto.scenes, |at, scene| {
                 let points = scene.pictures.iter().flat_map(|set| &set.points);
@@ -101,7 +103,7 @@ impl Record {
         Ok(())
     }
 
-    fn row(&self, at: &str, row: &Row) -> Result<(), String> {
+    fn row(&self, at: &str, row: &Row) -> Sound {
         self.times(&format!("{at}.build"), &row.build.times)?;
         for (name, times) in [("first", &row.build.first), ("steady", &row.build.steady)] {
             times.as_ref().map_or(Ok(()), |times| self.times(&format!("{at}.build.{name}"), times))?;
@@ -114,7 +116,7 @@ impl Record {
         })
     }
 
-    fn times(&self, at: &str, times: &Times) -> Result<(), String> {
+    fn times(&self, at: &str, times: &Times) -> Sound {
         let Times { samples_ms, submit_to_done_samples_ms, interval_ms: [low, high], .. } = times;
         let samples = samples_ms.len();
         let of_samples = |found: f64, samples: &[f64]| samples.is_empty() || near(found, median(samples));
@@ -141,7 +143,7 @@ impl Record {
     }
 }
 
-fn interleaved_set_is_sound(at: &str, set: &InterleavedSetRecord) -> Result<(), String> {
+fn interleaved_set_is_sound(at: &str, set: &InterleavedSetRecord) -> Sound {
     let (rounds, participants) = (set.orders.len(), set.participants.len());
     let is_order = |order: &Vec<u32>| {
         let mut sorted = order.clone();
@@ -154,7 +156,7 @@ fn interleaved_set_is_sound(at: &str, set: &InterleavedSetRecord) -> Result<(), 
     must(at, "doubled_work", set.doubled_work.iter().all(|work| work.samples_ms.len() <= rounds), few)
 }
 
-fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
+fn trace_is_sound(at: &str, trace: &TraceRecord) -> Sound {
     let TraceRecord { count, times, mrays_per_s, judgement, .. } = trace;
     must(at, "count", *count > 0, "1 or more")?;
     let speed = *count as f64 / times.median_ms / 1e3;
@@ -224,19 +226,158 @@ fn near(found: f64, expected: f64) -> bool {
 }
 
 /// A rule of a field: whether it holds, and what the field must be.
-fn must(at: &str, field: &str, holds: bool, be: &str) -> Result<(), String> {
+fn must(at: &str, field: &str, holds: bool, be: &str) -> Sound {
     let dot = if at.is_empty() { "" } else { "." };
     if holds { Ok(()) } else { Err(format!("`{at}{dot}{field}` must be {be}")) }
 }
 
-fn each<T>(at: &str, list: &[T], check: impl Fn(&str, &T) -> Result<(), String>) -> Result<(), String> {
-    list.iter().enumerate().try_for_each(|(index, one)| check(&format!("{at}[{index}]"), one))
+fn each<T>(at: &str, list: impl IntoIterator<Item = T>, check: impl Fn(&str, T) -> Sound) -> Sound {
+    list.into_iter().enumerate().try_for_each(|(index, one)| check(&format!("{at}[{index}]"), one))
 }
 
 /// The text without the line and the column, which say nothing of a document on one line.
 fn without_place(error: serde_json::Error) -> String {
     let text = error.to_string();
     text.rsplit_once(" at line ").map_or_else(|| text.clone(), |(what, _)| what.to_owned())
+}
+
+/// Fields whose numbers may lie below zero. All others, and all below them, count or measure something.
+const SIGNED: &str =
+    "eye forward up origin direction change deviations structure_statistics difficulty_level time_s times_s ssim";
+/// Fields whose numbers are shares, and all below them.
+const SHARES: &str = "agreement interval identity within_common_texel within_own_texel balanced_accuracy balanced_accuracy_interval \
+                      material normal position interval_coverage featured min_featured most_wrong least_wrong max_lost_share";
+/// Lists that are never written empty.
+const FILLED: &str =
+    "control_names curve axes points wrong_by_remedy times_s viewpoints difficulty_levels rays_per_pixel";
+/// Fields with values of any kind: those of parameters.
+const FREE: &str = "parameters ray_parameters values seed";
+/// The largest whole number that JSON's readers hold exactly, 2^53.
+const MAX_WHOLE: u64 = 1 << 53;
+
+/// A value of a document with its path. It is read and not kept.
+struct Checked<'p> {
+    path: &'p mut String,
+    field: Field,
+}
+
+/// What the fields say that a value is in.
+#[derive(Clone, Copy, Default)]
+struct Field {
+    signed: bool,
+    share: bool,
+    filled: bool,
+    free: bool,
+}
+
+impl<'p> Checked<'p> {
+    /// A whole document.
+    fn document(path: &'p mut String) -> Self {
+        Self { path, field: Field::default() }
+    }
+
+    fn is_not<E: Error>(&self, found: impl Display, must: &str) -> E {
+        E::custom(format!("`{}` is {found} and must be {must}", self.path))
+    }
+
+    fn number<E: Error>(self, number: f64, found: impl Display) -> Result<(), E> {
+        match self.field {
+            Field { free: true, .. } => Ok(()),
+            Field { share: true, .. } if !(0.0..=1.0).contains(&number) => {
+                Err(self.is_not(found, "a share, from 0 to 1"))
+            }
+            Field { signed: false, .. } if number < 0.0 => Err(self.is_not(found, "0 or more")),
+            _ if number.abs() > f64::from(f32::MAX) => Err(self.is_not(found, "a number that f32 holds")),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Field {
+    fn below(self, name: &str) -> Self {
+        let is_of = |names: &str| names.split(' ').any(|each| each == name);
+        Self {
+            signed: self.signed || is_of(SIGNED),
+            share: self.share || is_of(SHARES),
+            filled: is_of(FILLED),
+            free: self.free || is_of(FREE),
+        }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Checked<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Checked<'_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a JSON value")
+    }
+
+    fn visit_bool<E: Error>(self, _: bool) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_str<E: Error>(self, _: &str) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<(), E> {
+        if number > MAX_WHOLE && !self.field.free {
+            return Err(self.is_not(number, "a whole number up to 2^53"));
+        }
+        self.number(number as f64, number)
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<(), E> {
+        self.number(number as f64, number)
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<(), E> {
+        self.number(number, format_args!("{number:?}"))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
+        let (length, mut index) = (self.path.len(), 0);
+        loop {
+            let _ = write!(self.path, "[{index}]");
+            let field = Field { filled: false, ..self.field };
+            let item = list.next_element_seed(Checked { path: self.path, field })?;
+            self.path.truncate(length);
+            match (item, index) {
+                (None, 0) if self.field.filled => return Err(self.is_not("empty", "filled")),
+                (None, _) => return Ok(()),
+                _ => index += 1,
+            }
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let length = self.path.len();
+        let mut names = BTreeSet::new();
+        while let Some(name) = map.next_key::<String>()? {
+            let dot = if length == 0 { "" } else { "." };
+            let _ = write!(self.path, "{dot}{name}");
+            let field = self.field.below(&name);
+            if !names.insert(name) {
+                map.next_value::<IgnoredAny>()?;
+                return Err(self.is_not("there twice", "there once"));
+            }
+            map.next_value_seed(Checked { path: self.path, field })?;
+            self.path.truncate(length);
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -9,49 +9,80 @@ use super::Times;
 /// Rounds below which no verdict rests on times.
 pub const MIN_ROUNDS: u32 = 12;
 
-/// The builds, updates or traces of a ray set of one resident batch in one place, sampled in rounds: in each all configurations and
-/// controls once, in an order of its own. Sample i of every row of an interleaved set was taken in round i.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct InterleavedSetRecord {
-    /// Scene.
-    pub scene: String,
-    /// Viewpoint.
-    pub viewpoint: String,
-    /// Window of the place.
-    pub resident_batch: u32,
-    /// Ray set; `builds` or `updates` for an interleaved set of structures.
-    pub work: String,
-    /// Those who were sampled, by number from 0: labels, controls first, and those who did their work twice last.
-    pub participants: Vec<String>,
-    /// Seed of the orders.
-    pub order_seed: u64,
-    /// The order of every counted round: numbers of participants.
-    pub orders: Vec<Vec<u32>>,
-    /// What every round does: traces the same rays again, builds afresh from the same triangles, or follows them a frame further.
-    pub each_round: String,
-    /// Rounds before the counted ones.
-    pub warm_up_rounds: u32,
-    /// How long sampling was to go on.
-    pub sampling: SampleSchedule,
-    /// What ended it.
-    pub stop_reason: StopReason,
-    /// Time that the counted rounds took altogether, seconds.
-    pub sampled_s: f64,
-    /// The widest interval that any two configurations' ratio has, in shares: its upper end over its lower one, less 1. None where
-    /// there were no two, or too few rounds for an interval of [`COVERAGE`](super::COVERAGE).
-    pub widest_interval: Option<f64>,
-    /// The ticks of its clocks. None in files of before they were probed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clock_ticks: Option<ClockTicks>,
-    /// The fixed kernel of every clock.
-    pub kernels: Vec<KernelRecord>,
-    /// Whether a kernel drifts: no verdict rests on the interleaved set's times.
-    pub drift: bool,
-    /// Those who did their work twice.
-    pub doubled_work: Vec<DoubledWorkRecord>,
-    /// Why an earlier try at the interleaved set was thrown away.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub repeated_because: Option<String>,
+records! {
+    /// The builds, updates or traces of a ray set of one resident batch in one place, sampled in rounds: in each all configurations and
+    /// controls once, in an order of its own. Sample i of every row of an interleaved set was taken in round i.
+    pub struct InterleavedSetRecord {
+        /// Scene.
+        pub scene: String,
+        /// Viewpoint.
+        pub viewpoint: String,
+        /// Window of the place.
+        pub resident_batch: u32,
+        /// Ray set; `builds` or `updates` for an interleaved set of structures.
+        pub work: String,
+        /// Those who were sampled, by number from 0: labels, controls first, and those who did their work twice last.
+        pub participants: Vec<String>,
+        /// Seed of the orders.
+        pub order_seed: u64,
+        /// The order of every counted round: numbers of participants.
+        pub orders: Vec<Vec<u32>>,
+        /// What every round does: traces the same rays again, builds afresh from the same triangles, or follows them a frame further.
+        pub each_round: String,
+        /// Rounds before the counted ones.
+        pub warm_up_rounds: u32,
+        /// How long sampling was to go on.
+        pub sampling: SampleSchedule,
+        /// What ended it.
+        pub stop_reason: StopReason,
+        /// Time that the counted rounds took altogether, seconds.
+        pub sampled_s: f64,
+        /// The widest interval that any two configurations' ratio has, in shares: its upper end over its lower one, less 1. None where
+        /// there were no two, or too few rounds for an interval of [`COVERAGE`](super::COVERAGE).
+        pub widest_interval: Option<f64>,
+        /// The ticks of its clocks. None in files of before they were probed.
+        pub clock_ticks: Option<ClockTicks> = default,
+        /// The fixed kernel of every clock.
+        pub kernels: Vec<KernelRecord>,
+        /// Whether a kernel drifts: no verdict rests on the interleaved set's times.
+        pub drift: bool,
+        /// Those who did their work twice.
+        pub doubled_work: Vec<DoubledWorkRecord>,
+        /// Why an earlier try at the interleaved set was thrown away.
+        pub repeated_because: Option<String> = default,
+    }
+
+    /// The same work in every round, by which a change of the machine's speed shows.
+    pub struct KernelRecord {
+        /// Its clock.
+        pub clock: ClockKind,
+        /// How much work it is.
+        pub tasks: u32,
+        /// Its time in every counted round.
+        pub samples_ms: Vec<f64>,
+        /// How much longer it takes in the last round than in the first by its trend, a share.
+        pub change: f64,
+        /// How sure the trend is, standard deviations.
+        pub deviations: f64,
+        /// Whether that is a drift.
+        pub drifts: bool,
+    }
+
+    /// The first configuration by the plan's order on a clock, doing its work twice in one sample.
+    pub struct DoubledWorkRecord {
+        /// The configuration.
+        pub tracer: String,
+        /// The clock.
+        pub clock: ClockKind,
+        /// Every counted sample of the double work.
+        pub samples_ms: Vec<f64>,
+        /// How many times as long as once it takes, by the lower quartiles; before rules version 3 the median of paired rounds.
+        pub ratio: Option<f64>,
+        /// Why it is not judged; it is, without.
+        pub not_judged: Option<String>,
+        /// Whether it takes what it must, or is not judged.
+        pub passed: bool,
+    }
 }
 
 /// The ticks of clocks: of each the smallest step other than zero between successive readings in a probe of 1,000; none of a clock that
@@ -139,38 +170,4 @@ pub enum StopReason {
     TimeLimit,
     /// There were as many rounds as there may be.
     MaxRounds,
-}
-
-/// The same work in every round, by which a change of the machine's speed shows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct KernelRecord {
-    /// Its clock.
-    pub clock: ClockKind,
-    /// How much work it is.
-    pub tasks: u32,
-    /// Its time in every counted round.
-    pub samples_ms: Vec<f64>,
-    /// How much longer it takes in the last round than in the first by its trend, a share.
-    pub change: f64,
-    /// How sure the trend is, standard deviations.
-    pub deviations: f64,
-    /// Whether that is a drift.
-    pub drifts: bool,
-}
-
-/// The first configuration by the plan's order on a clock, doing its work twice in one sample.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DoubledWorkRecord {
-    /// The configuration.
-    pub tracer: String,
-    /// The clock.
-    pub clock: ClockKind,
-    /// Every counted sample of the double work.
-    pub samples_ms: Vec<f64>,
-    /// How many times as long as once it takes, by the lower quartiles; before rules version 3 the median of paired rounds.
-    pub ratio: Option<f64>,
-    /// Why it is not judged; it is, without.
-    pub not_judged: Option<String>,
-    /// Whether it takes what it must, or is not judged.
-    pub passed: bool,
 }

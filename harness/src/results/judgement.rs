@@ -173,41 +173,85 @@ pub struct StatusCounts {
     pub right: BTreeMap<String, u64>,
 }
 
-/// The verdict on a closest-hit set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ClosestJudgement {
-    /// Class counts under the two rules that look at t.
-    pub classes: ByRule<Classes>,
-    /// Ambiguous rays, whose truth depends on rounding.
-    pub ambiguous_rays: u64,
-    /// Whether they exceed 1e-3 of the set.
-    pub many_ambiguous_rays: bool,
-    /// Shares of right answers among all rays; `None` without rays. Records without `truth` leave ambiguous rays out.
-    pub agreement: PerRule<Option<f64>>,
-    /// The same shares without ambiguous rays; `None` if all are ambiguous.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub agreement_without_ambiguous: Option<PerRule<Option<f64>>>,
-    /// What the truth says of the rays; `None` in records whose classes and shares leave ambiguous rays out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub truth: Option<TrueCounts>,
-    /// 95 % Wilson intervals of the agreements.
-    pub interval: PerRule<Option<[f64; 2]>>,
-    /// Pairs of tolerance (in scene diagonals) and agreement.
-    pub curve: Vec<[f64; 2]>,
-    /// |t - t*| of the rays that are rightly said to hit, scene units; of ambiguous ones from the nearest true hit.
-    pub position_error: Percentiles,
-    /// How far told hits are from the piece of mesh that is truly hit; `None` in records from before it was told.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface_distance: Option<SurfaceDistance>,
-    /// Share of `tight` true hits that name the right triangle; `None` if the method names none.
-    pub identity: Option<f64>,
-    /// Right answers by the status that the tracer gave; empty in records from before they were counted.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub by_status: BTreeMap<String, StatusCounts>,
-    /// Why rays are wrong, under `tight` and `footprint`.
-    pub causes: Causes,
-    /// Wrong rays under `tight`: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
-    pub wrong_rays: Vec<WrongRay>,
+records! {
+    /// The verdict on a closest-hit set.
+    pub struct ClosestJudgement {
+        /// Class counts under the two rules that look at t.
+        pub classes: ByRule<Classes>,
+        /// Ambiguous rays, whose truth depends on rounding.
+        pub ambiguous_rays: u64,
+        /// Whether they exceed 1e-3 of the set.
+        pub many_ambiguous_rays: bool,
+        /// Shares of right answers among all rays; `None` without rays. Records without `truth` leave ambiguous rays out.
+        pub agreement: PerRule<Option<f64>>,
+        /// The same shares without ambiguous rays; `None` if all are ambiguous.
+        pub agreement_without_ambiguous: Option<PerRule<Option<f64>>> = default,
+        /// What the truth says of the rays; `None` in records whose classes and shares leave ambiguous rays out.
+        pub truth: Option<TrueCounts> = default,
+        /// 95 % Wilson intervals of the agreements.
+        pub interval: PerRule<Option<[f64; 2]>>,
+        /// Pairs of tolerance (in scene diagonals) and agreement.
+        pub curve: Vec<[f64; 2]>,
+        /// |t - t*| of the rays that are rightly said to hit, scene units; of ambiguous ones from the nearest true hit.
+        pub position_error: Percentiles,
+        /// How far told hits are from the piece of mesh that is truly hit; `None` in records from before it was told.
+        pub surface_distance: Option<SurfaceDistance> = default,
+        /// Share of `tight` true hits that name the right triangle; `None` if the method names none.
+        pub identity: Option<f64>,
+        /// Right answers by the status that the tracer gave; empty in records from before they were counted.
+        pub by_status: BTreeMap<String, StatusCounts> = default,
+        /// Why rays are wrong, under `tight` and `footprint`.
+        pub causes: Causes,
+        /// Wrong rays under `tight`: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
+        pub wrong_rays: Vec<WrongRay>,
+    }
+
+    /// The verdict on an any-hit set.
+    #[derive(Default)]
+    pub struct AnyJudgement {
+        /// The 2x2 table.
+        pub occlusion: Occlusion,
+        /// Ambiguous rays: either answer is right, so they are in no count.
+        pub ambiguous_rays: u64,
+        /// Whether they exceed 1e-3 of the set.
+        pub many_ambiguous_rays: bool,
+        /// As in [`ClosestJudgement`].
+        pub by_status: BTreeMap<String, StatusCounts> = default,
+        /// Why rays are wrong, under `occlusion`.
+        pub causes: Causes,
+        /// Wrong rays: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
+        pub wrong_rays: Vec<WrongRay>,
+    }
+
+    /// A ray that was answered wrongly.
+    pub struct WrongRay {
+        /// Its index in the set.
+        pub index: u64,
+        /// Origin.
+        pub origin: [f32; 3],
+        /// Direction.
+        pub direction: [f32; 3],
+        /// Least t.
+        pub t_min: f32,
+        /// Greatest t.
+        pub t_max: f32,
+        /// Truth: t, `None` for a miss; of an ambiguous ray the nearest true one.
+        pub true_t: Option<f64>,
+        /// Truth: triangle.
+        pub true_primitive: Option<u32>,
+        /// Answer: t, `None` for a miss.
+        pub answered_t: Option<f32>,
+        /// Answer: triangle, where named.
+        pub answered_primitive: Option<u32>,
+        /// Status of the answer.
+        pub status: String,
+        /// Class of the answer.
+        pub class: String,
+        /// Cause of the error.
+        pub cause: String,
+        /// Whether the ray is ambiguous.
+        pub ambiguous: bool = default,
+    }
 }
 
 impl ClosestJudgement {
@@ -288,24 +332,6 @@ pub struct PieceDistance {
     pub within_common_texel_rays: u64,
     /// Those within a texel of the tracer's own.
     pub within_own_texel_rays: Option<u64>,
-}
-
-/// The verdict on an any-hit set.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct AnyJudgement {
-    /// The 2x2 table.
-    pub occlusion: Occlusion,
-    /// Ambiguous rays: either answer is right, so they are in no count.
-    pub ambiguous_rays: u64,
-    /// Whether they exceed 1e-3 of the set.
-    pub many_ambiguous_rays: bool,
-    /// As in [`ClosestJudgement`].
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub by_status: BTreeMap<String, StatusCounts>,
-    /// Why rays are wrong, under `occlusion`.
-    pub causes: Causes,
-    /// Wrong rays: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
-    pub wrong_rays: Vec<WrongRay>,
 }
 
 /// A value for each rule that looks at t.
@@ -434,36 +460,4 @@ pub struct SurfaceJudgement {
     pub normal_error_degrees: Percentiles,
     /// Distances from the point that was truly hit, of an any-hit set from the ray's point at the answered t, scene units.
     pub position_error: Percentiles,
-}
-
-/// A ray that was answered wrongly.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WrongRay {
-    /// Its index in the set.
-    pub index: u64,
-    /// Origin.
-    pub origin: [f32; 3],
-    /// Direction.
-    pub direction: [f32; 3],
-    /// Least t.
-    pub t_min: f32,
-    /// Greatest t.
-    pub t_max: f32,
-    /// Truth: t, `None` for a miss; of an ambiguous ray the nearest true one.
-    pub true_t: Option<f64>,
-    /// Truth: triangle.
-    pub true_primitive: Option<u32>,
-    /// Answer: t, `None` for a miss.
-    pub answered_t: Option<f32>,
-    /// Answer: triangle, where named.
-    pub answered_primitive: Option<u32>,
-    /// Status of the answer.
-    pub status: String,
-    /// Class of the answer.
-    pub class: String,
-    /// Cause of the error.
-    pub cause: String,
-    /// Whether the ray is ambiguous.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub ambiguous: bool,
 }

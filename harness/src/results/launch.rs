@@ -89,15 +89,15 @@ fn gain(plain: &[f64], other: &[f64]) -> f64 {
     if found.is_finite() { found } else { 1.0 }
 }
 
-/// The launch settings of every tracer for which none are set, and how they were found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LaunchRecord {
-    /// The launch settings.
-    #[serde(flatten)]
-    pub launch: LaunchSettings,
-    /// What they were told by; none where they were given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub probe: Option<ProbeRecord>,
+records! {
+    /// The launch settings of every tracer for which none are set, and how they were found.
+    pub struct LaunchRecord {
+        /// The launch settings.
+        #[serde(flatten)]
+        pub launch: LaunchSettings,
+        /// What they were told by; none where they were given.
+        pub probe: Option<ProbeRecord> = default,
+    }
 }
 
 impl TracerRecord {

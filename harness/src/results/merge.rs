@@ -2,46 +2,28 @@
 
 use super::{FrameSeries, Provenance, Record, Row, ShardRecord};
 
-/// Why records cannot be joined.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum MergeError {
-    /// Nothing to join.
-    #[error("no records to join")]
-    Nothing,
-    /// A record of a whole plan.
-    #[error("{0} is no shard: it was not made by --shard")]
-    NoShard(String),
-    /// Shards that do not belong together.
-    #[error("{0} is of another {1} than {2}")]
-    Other(String, &'static str, String),
-    /// A shard of so many that is there twice, or missing.
-    #[error("shard {0} of {1} is {2}")]
-    Incomplete(u32, u32, &'static str),
-}
-
 /// Joins all shards of a plan, each with a name for messages. Rows are in the order of shards; each keeps its machine.
 ///
 /// # Errors
-/// [`MergeError`] if they are not all shards of one plan by one program, each once.
-pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, MergeError> {
-    let mut parts: Vec<ShardRecord> = Vec::new();
-    for (name, record) in &shards {
-        parts.push(record.provenance.shard.clone().ok_or_else(|| MergeError::NoShard(name.clone()))?);
-    }
-    let Some(first) = parts.first().cloned() else { return Err(MergeError::Nothing) };
+/// Why they are not all shards of one plan by one program, each once.
+pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, String> {
+    let no_shard = |name: &str| format!("{name} is no shard: it was not made by --shard");
+    let part = |(name, record): &(String, Record)| record.provenance.shard.clone().ok_or_else(|| no_shard(name));
+    let parts = shards.iter().map(part).collect::<Result<Vec<ShardRecord>, String>>()?;
+    let Some(first) = parts.first() else { return Err("no records to join".to_owned()) };
+    let (lead, of) = (&shards[0].0, &shards[0].1.provenance);
     for ((name, record), part) in shards.iter().zip(&parts) {
-        let (of, lead) = (&shards[0].0, &shards[0].1.provenance);
-        let other = |what| MergeError::Other(name.clone(), what, of.clone());
+        let other = |what: &str| Err(format!("{name} is of another {what} than {lead}"));
         if (&part.plan_sha256, part.count) != (&first.plan_sha256, first.count) {
-            return Err(other("plan"));
+            return other("plan");
         }
         let program = |of: &Provenance, part: &ShardRecord| (of.commit.clone(), of.dirty, part.program_sha256.clone());
-        if program(&record.provenance, part) != program(lead, &first) {
-            return Err(other("program"));
+        if program(&record.provenance, part) != program(of, first) {
+            return other("program");
         }
     }
     if first.count == 0 || parts.iter().any(|part| !(1..=first.count).contains(&part.index)) {
-        return Err(MergeError::NoShard(shards[0].0.clone()));
+        return Err(no_shard(lead));
     }
     for index in 1..=first.count {
         let problem = match parts.iter().filter(|part| part.index == index).count() {
@@ -49,11 +31,11 @@ pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, MergeError> {
             0 => "missing",
             _ => "there twice",
         };
-        return Err(MergeError::Incomplete(index, first.count, problem));
+        return Err(format!("shard {index} of {} is {problem}", first.count));
     }
     shards.sort_by_key(|(_, record)| record.provenance.shard.as_ref().map_or(0, |shard| shard.index));
     let mut shards = shards.into_iter().map(|(_, record)| record);
-    let Some(mut whole) = shards.next() else { return Err(MergeError::Nothing) };
+    let Some(mut whole) = shards.next() else { return Err("no records to join".to_owned()) };
     let id =
         |record: &Record| record.provenance.shard.as_ref().map_or_else(String::new, |shard| shard.machine_id.clone());
     let mut machines = vec![(whole.provenance.machine.clone(), id(&whole))];
@@ -140,7 +122,7 @@ mod tests {
         record
     }
 
-    fn joined(shards: Vec<Record>) -> Result<Record, MergeError> {
+    fn joined(shards: Vec<Record>) -> Result<Record, String> {
         merge(shards.into_iter().enumerate().map(|(place, record)| (format!("{place}"), record)).collect())
     }
 
@@ -175,7 +157,7 @@ mod tests {
             (vec![shard(1, 2, "plan")], "2 of 2 is missing"),
             (vec![shard(1, 2, "plan"), shard(1, 2, "plan"), second], "1 of 2 is there twice"),
         ] {
-            let error = joined(shards).unwrap_err().to_string();
+            let error = joined(shards).unwrap_err();
             assert!(error.contains(part), "{error}");
         }
     }

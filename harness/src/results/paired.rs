@@ -12,7 +12,10 @@
 use itertools::Itertools as _;
 use tracebench_api::ClockKind;
 
-use super::{InterleavedSetRecord, MIN_ROUNDS, Ratio, Record, Row, Times, TraceRecord, host_ms, same_place, same_rays};
+use super::{
+    BuildRecord, InterleavedSetRecord, MIN_ROUNDS, Ratio, Record, Row, Times, TraceRecord, host_ms, same_place,
+    same_rays,
+};
 use crate::statistics::{median, median_interval_of};
 
 /// What the interval of a verdict covers.
@@ -39,48 +42,37 @@ struct Part<'a> {
 /// What a row did.
 #[derive(Clone, Copy, Debug)]
 enum Work<'a> {
-    /// The phases that its builds mark.
-    Phases,
-    FirstBuild,
-    SteadyBuild,
+    Build(fn(&BuildRecord) -> &Times),
     Trace(&'a TraceRecord),
-}
-
-impl<'a> Work<'a> {
-    /// Its times in a row, which is the trace's own.
-    fn times(self, row: &'a Row) -> &'a Times {
-        match self {
-            Self::Phases => &row.build.times,
-            Self::FirstBuild => row.build.first(),
-            Self::SteadyBuild => row.build.steady(),
-            Self::Trace(trace) => &trace.times,
-        }
-    }
 }
 
 impl<'a> Timed<'a> {
     /// The first build of a row, as [`BuildRecord::first`](super::BuildRecord::first).
     pub fn first_build(row: &'a Row) -> Self {
-        Self::work(row, Work::FirstBuild)
+        Self::build(row, BuildRecord::first)
     }
 
     /// The steady build of a row, as [`BuildRecord::steady`](super::BuildRecord::steady).
     pub fn steady_build(row: &'a Row) -> Self {
-        Self::work(row, Work::SteadyBuild)
+        Self::build(row, BuildRecord::steady)
     }
 
     /// A phase of a row's build.
     pub fn build_phase(row: &'a Row, name: &'a str) -> Self {
-        Self::work(row, Work::Phases).phase(name)
+        Self::build(row, |build| &build.times).phase(name)
     }
 
     /// One of the row's traces.
     pub fn trace(row: &'a Row, trace: &'a TraceRecord) -> Self {
-        Self::work(row, Work::Trace(trace))
+        Self::work(row, Work::Trace(trace), &trace.times)
     }
 
-    fn work(row: &'a Row, work: Work<'a>) -> Self {
-        Self { row, parts: vec![Part { times: work.times(row), work, phase: None, factor: 1.0 }] }
+    fn build(row: &'a Row, times: fn(&BuildRecord) -> &Times) -> Self {
+        Self::work(row, Work::Build(times), times(&row.build))
+    }
+
+    fn work(row: &'a Row, work: Work<'a>, times: &'a Times) -> Self {
+        Self { row, parts: vec![Part { times, work, phase: None, factor: 1.0 }] }
     }
 
     /// A phase alone.
@@ -120,13 +112,11 @@ impl<'a> Timed<'a> {
     /// The same of the row of another tracer in the same place, whole where this is a phase.
     fn of<'b>(&self, row: &'b Row) -> Option<Timed<'b>> {
         let part = |part: &Part<'_>| {
-            let work = match part.work {
-                Work::Trace(own) => Work::Trace(row.traces.iter().find(|other| same_rays(own, other))?),
-                Work::Phases => Work::Phases,
-                Work::FirstBuild => Work::FirstBuild,
-                Work::SteadyBuild => Work::SteadyBuild,
+            let timed = match part.work {
+                Work::Trace(own) => Timed::trace(row, row.traces.iter().find(|other| same_rays(own, other))?),
+                Work::Build(times) => Timed::build(row, times),
             };
-            Some(Part { times: work.times(row), work, phase: None, factor: part.factor })
+            timed.times(part.factor).parts.pop()
         };
         Some(Timed { row, parts: self.parts.iter().map(part).collect::<Option<_>>()? })
     }
@@ -241,14 +231,9 @@ impl Paired {
 
     /// How many times as long one lot took as another of the same interleaved set, of which is known whether it drifts and why it is
     /// invalid.
-    pub fn in_interleaved_set(
-        one_ms: &[f64],
-        other_ms: &[f64],
-        drift: Option<String>,
-        invalid: Option<String>,
-    ) -> Self {
-        let ratio = of_rounds(one_ms, other_ms, COVERAGE);
-        let rounds = one_ms.len().min(other_ms.len());
+    pub fn in_interleaved_set(ones: &[f64], others: &[f64], drift: Option<String>, invalid: Option<String>) -> Self {
+        let ratio = of_rounds(ones, others, COVERAGE);
+        let rounds = ones.len().min(others.len());
         let few = (rounds < MIN_ROUNDS as usize).then_some(Caveat::FewRounds(rounds));
         let caveat = invalid.map(Caveat::Void).or(few).or(drift.map(Caveat::Drift));
         Self { ratio, pairing: Pairing::Rounds, caveat: caveat.or(ratio.is_none().then_some(Caveat::NoTimes)) }

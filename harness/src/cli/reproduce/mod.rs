@@ -1,9 +1,9 @@
 //! `reproduce`: every step by a process of its own, so that one which fails or is out of time takes nothing with it.
 
-mod page;
 mod steps;
 mod turn;
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -13,12 +13,12 @@ use tracebench_api::{AdapterChoice, Gpu};
 
 use super::output::print;
 use super::work::{fresh_folder, refuse_another};
-use super::{CliError, page as html, stop};
+use super::{CliError, fail, fail_for, records, refuse, stop};
 use crate::files::{self, OutputFolder};
 use crate::launch;
 use crate::plan::{RUN_PRESETS, RunPreset};
 use crate::progress::{self, Progress};
-use crate::report;
+use crate::report::{self, sheet::Sheet};
 use turn::{Turn, wait_while};
 
 #[derive(Args)]
@@ -85,9 +85,9 @@ struct Step {
 
 impl Step {
     /// One that was not reached yet.
-    fn new(name: impl Into<String>, arguments: &[&str]) -> Self {
-        let arguments = arguments.iter().map(|&word| word.to_owned()).collect();
-        Self { name: name.into(), arguments, state: State::LeftOut, took_s: 0.0 }
+    fn new(name: &str, words: &str) -> Self {
+        let arguments = words.split(' ').map(str::to_owned).collect();
+        Self { name: name.to_owned(), arguments, state: State::LeftOut, took_s: 0.0 }
     }
 }
 
@@ -113,7 +113,6 @@ const PAGES_EVERY: Duration = Duration::from_secs(120);
 
 pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> Result<(), CliError> {
     let begun = Instant::now();
-    let whole = arguments.budget == Budget::Whole;
     let ends = match arguments.budget {
         Budget::Within(time) => Some(begun + time - MAX_REPORT.min(time.mul_f64(REPORT_SHARE))),
         Budget::Whole => None,
@@ -128,18 +127,18 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
     let out = folder.path();
     let is_begun = out.join(FILE).exists();
     if is_begun && !arguments.resume {
-        return Err(CliError::Other(format!(
-            "{} holds what was measured before: go on with it by --resume, or choose another folder with --out",
-            out.display()
-        )));
+        let out = out.display();
+        return fail(format!(
+            "{out} holds what was measured before: go on with it by --resume, or choose another folder with --out"
+        ));
     }
     let earlier = if is_begun { Some(read(out)?) } else { None };
-    folder.check_all(|name| [FILE, ANSWER, page::PAGE].contains(&name)).inspect_err(|_| folder.abandon())?;
+    folder.check_all(|name| [FILE, ANSWER, PAGE].contains(&name)).inspect_err(|_| folder.abandon())?;
     if !is_begun {
         refuse_another(out, None)?;
     }
     let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), out)?;
-    let steps = with_preset(steps::steps(whole, on_hardware(preset.as_deref())), preset.as_deref());
+    let steps = with_preset(steps::steps(ends.is_none(), on_hardware(preset.as_deref())), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
     // There from the start: what is broken off in the first step can be gone on with.
     let mut found = Reproduction { preset, steps: as_left(steps, &before) };
@@ -187,10 +186,10 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         stop::end(signal);
     }
     match busy {
-        Some(folder) => Err(CliError::Other(format!(
+        Some(folder) => fail(format!(
             "another process still measures into {}; wait for it or end it, then go on with --resume",
             folder.display()
-        ))),
+        )),
         None => outcome(&found),
     }
 }
@@ -216,21 +215,72 @@ fn missing(found: &Reproduction) -> Vec<String> {
 }
 
 /// Writes the list of steps, and the one page of what was measured of them, if anything was.
-fn pages(
-    found: &Reproduction,
-    out: &OutputFolder,
-    passed: Duration,
-    progress: &Progress,
-) -> Result<Vec<PathBuf>, CliError> {
-    let mut written = vec![page::write(found, out, passed)?];
-    let folders = found.steps.iter().map(|one| out.path().join(&one.name));
+fn pages(of: &Reproduction, out: &OutputFolder, took: Duration, progress: &Progress) -> Result<Vec<PathBuf>, CliError> {
+    let mut written = vec![write_list(of, out, took)?];
+    let folders = of.steps.iter().map(|one| out.path().join(&one.name));
     let records: Vec<PathBuf> = folders.filter(|folder| report::read_run(folder).is_ok()).collect();
     if !records.is_empty() {
         let answer = out.path().join(ANSWER);
-        html::write(&answer, (out, ANSWER), &records, missing(found), progress)?;
+        records::write_page(&answer, (out, ANSWER), &records, missing(of), progress)?;
         written.push(answer);
     }
     Ok(written)
+}
+
+/// The file of the list of steps.
+const PAGE: &str = "reproduce.md";
+
+/// Writes the list of steps, with what was measured, where it stands and what was left out, into the folder of all.
+fn write_list(found: &Reproduction, out: &OutputFolder, took: Duration) -> Result<PathBuf, CliError> {
+    let pages = |step: &Step| pages_in(&out.path().join(&step.name));
+    let text = list(found, &out.path().display().to_string(), took, pages);
+    Ok(out.write(PAGE, text.as_bytes())?)
+}
+
+/// The pages in a step's folder, in the order of their names.
+fn pages_in(folder: &Path) -> Vec<String> {
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut pages: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    pages.retain(|name| name.ends_with(".md"));
+    pages.sort();
+    pages
+}
+
+fn list(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Step) -> Vec<String>) -> String {
+    let done = found.steps.iter().filter(|step| step.state == State::Done).count();
+    let mut text = format!(
+        "# Reproduction: {done} of {} steps, this time in {} s\n\nEvery page names its machine, and how much of its table was measured.\n\n",
+        found.steps.len(),
+        took.as_secs()
+    );
+    let sheet = Sheet::<&Step>::new()
+        .column("step", |step| step.name.clone())
+        .column("state", |step| match &step.state {
+            State::Done => "measured".to_owned(),
+            State::BrokenOff => "broken off, gone on with by `--resume`".to_owned(),
+            State::Failed(reason) => format!("failed: {reason}"),
+            State::LeftOut => "left out".to_owned(),
+        })
+        .column("took (s)", |step| format!("{:.0}", step.took_s))
+        .column("pages", |step| {
+            let links = pages(step).into_iter().map(|page| format!("[{page}]({}/{page})", step.name));
+            links.collect::<Vec<_>>().join(", ")
+        })
+        .column("by itself", |step| command(step));
+    let (left, taken): (Vec<&Step>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
+    text += &sheet.table(&taken).markdown();
+    if !left.is_empty() {
+        text += "\n## Left out\n\nThese were not reached. With more time `reproduce` goes on:\n\n```sh\n";
+        let _ = writeln!(text, "tracebench reproduce --out {out} --resume --budget 1h\n```\n");
+        for step in left {
+            let _ = writeln!(text, "- {}: {}", step.name, command(step));
+        }
+    }
+    text
+}
+
+fn command(step: &Step) -> String {
+    format!("`tracebench {}`", step.arguments.join(" "))
 }
 
 /// The preset of all steps: the one that the folder was begun with, where it is gone on with.
@@ -241,10 +291,8 @@ fn preset_of(asked: Option<&str>, earlier: Option<&Reproduction>, out: &Path) ->
         return Ok(earlier.preset.clone());
     }
     let begun = earlier.preset.as_ref().map_or("without --preset".to_owned(), |name| format!("with --preset {name}"));
-    Err(CliError::Argument(format!(
-        "{} was begun {begun}: leave --preset out to go on with it, or choose another folder with --out",
-        out.display()
-    )))
+    let out = out.display();
+    refuse(format!("{out} was begun {begun}: leave --preset out to go on with it, or choose another folder with --out"))
 }
 
 /// Whether times are those of hardware: by the preset that is meant for it, else by the adapter that would be taken.
@@ -269,10 +317,7 @@ fn outcome(found: &Reproduction) -> Result<(), CliError> {
         _ => None,
     };
     let failed: Vec<String> = found.steps.iter().filter_map(told).collect();
-    match failed.is_empty() {
-        true => Ok(()),
-        false => Err(CliError::Other(format!("{} failed, the rest is kept: {}", failed.len(), failed.join("; ")))),
-    }
+    fail_for(&failed, "; ", |all| format!("{} failed, the rest is kept: {all}", failed.len()))
 }
 
 /// The steps at a run preset; stability has none.
@@ -344,5 +389,35 @@ mod tests {
             rest.iter().map(|one| &one.state).collect::<Vec<_>>(),
             [&State::LeftOut, &failed.state, &State::LeftOut]
         );
+    }
+
+    fn step(name: &str, state: State) -> Step {
+        Step { name: name.to_owned(), arguments: vec!["table".to_owned(), name.to_owned()], state, took_s: 1.6 }
+    }
+
+    /// Proves that the page counts what was measured, links its pages, tells why a step failed, and lists what was left out and nothing
+    /// else there.
+    #[test]
+    fn the_page_tells_what_is_there_and_what_is_not() {
+        let steps = vec![
+            step("first", State::Done),
+            step("second", State::Failed("no | room".to_owned())),
+            step("third", State::BrokenOff),
+            step("fourth", State::LeftOut),
+        ];
+        let found = Reproduction { preset: None, steps };
+        let text = list(&found, "here", Duration::from_secs(9), |step| vec![format!("{}.md", step.name)]);
+        assert!(text.starts_with("# Reproduction: 1 of 4 steps, this time in 9 s"));
+        let line = |name: &str| text.lines().find(|line| line.contains(name)).unwrap().to_owned();
+        assert!(line("| first").contains("measured | 2 | [first.md](first/first.md)"), "{text}");
+        assert!(line("| second").contains("no \\| room"), "{text}");
+        assert!(line("| third").contains("broken off"));
+        let (before, after) = text.split_once("## Left out").unwrap();
+        assert!(
+            after.contains("- fourth: `tracebench table fourth`")
+                && !after.contains("third")
+                && !before.contains("fourth")
+        );
+        assert!(after.contains("--out here --resume"));
     }
 }

@@ -23,30 +23,29 @@ const FEW_ROUNDS: &str = "3";
 pub(super) fn steps(whole: bool, on_hardware: bool) -> Vec<Step> {
     let tables = || experiments().map(|experiment| experiment.name);
     let mut steps = Vec::new();
+    let mut step = |name: &str, words: &str| steps.push(Step::new(name, words));
     if !whole && on_hardware {
-        let scenes = ["--scene", HARDWARE_SCENES, "--samples", ENOUGH_ROUNDS];
-        let tracers = format!("all,all:improved,{}", builders(|_| true));
-        let run = ["run", "--rays", "primary,diffuse", "--tracer", &tracers];
-        steps.push(Step::new("builds-and-frames", &[&run[..], &scenes].concat()));
-        steps.push(Step::new("front", &[&["pareto", "--rays", RAYS, "--points", "2"], &scenes[..]].concat()));
+        let scenes = format!("--scene {HARDWARE_SCENES} --samples {ENOUGH_ROUNDS}");
+        let tracers = builders(|_| true);
+        let run = format!("run --rays primary,diffuse --tracer all,all:improved,{tracers} {scenes}");
+        step("builds-and-frames", &run);
+        step("front", &format!("pareto --rays {RAYS} --points 2 {scenes}"));
     } else if !whole {
-        let few = ["--points", "2", "--samples", FEW_ROUNDS];
-        steps.push(Step::new("front", &[&["pareto", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
+        step("front", &format!("pareto --scene {SCENE} --rays {RAYS} --points 2 --samples {FEW_ROUNDS}"));
     }
     if !whole {
-        steps.extend(tables().map(|name| Step::new(format!("{name}-few-rows"), &["table", name, "--few-rows"])));
-        let few = ["--samples", FEW_ROUNDS];
-        steps.push(Step::new("need", &[&["need", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
+        tables().for_each(|name| step(&format!("{name}-few-rows"), &format!("table {name} --few-rows")));
+        step("need", &format!("need --scene {SCENE} --rays {RAYS} --samples {FEW_ROUNDS}"));
     }
-    steps.push(Step::new("fronts", &["pareto", "--scene", SCENE, "--rays", RAYS]));
-    steps.push(Step::new("stability", &["stability"]));
+    step("fronts", &format!("pareto --scene {SCENE} --rays {RAYS}"));
+    step("stability", "stability");
     if whole {
-        steps.push(Step::new("needs", &["need", "--scene", SCENE, "--rays", RAYS]));
+        step("needs", &format!("need --scene {SCENE} --rays {RAYS}"));
     }
-    let tracers = format!("all,all:improved,{}", builders(|family| family == Family::Bvh));
-    steps.push(Step::new("scenes", &["run", "--scene", "all", "--tracer", &tracers, "--rays", "all"]));
-    steps.extend(tables().map(|name| Step::new(name, &["table", name])));
-    steps.push(Step::new("fronts-of-all-scenes", &["pareto", "--scene", "all", "--rays", RAYS]));
+    let tracers = builders(|family| family == Family::Bvh);
+    step("scenes", &format!("run --scene all --tracer all,all:improved,{tracers} --rays all"));
+    tables().for_each(|name| step(name, &format!("table {name}")));
+    step("fronts-of-all-scenes", &format!("pareto --scene all --rays {RAYS}"));
     steps
 }
 

@@ -96,7 +96,7 @@ fn first_and_steady_builds_are_told_apart() {
         [ratio(&record, |row| Timed::steady_build(row)), ratio(&record, |row| Timed::first_build(row))];
     assert!(before == first && !near(before.unwrap().value, 2.0));
     // An update has no first build.
-    let update = crate::results::BuildRecord { first: None, ..ours.clone() };
+    let update = BuildRecord { first: None, ..ours.clone() };
     assert!(std::ptr::eq(update.first(), update.steady()) && update.all().count() == 2 && ours.all().count() == 3);
 }
 
