@@ -196,19 +196,16 @@ impl TracerRequest {
     }
 
     /// The values that shape its structure.
-    pub fn build_parameters(&self) -> impl Iterator<Item = (String, Value)> {
+    fn build_parameters(&self) -> Vec<(&str, &Value)> {
         let described = self.registration.describe().parameters;
-        let shapes =
-            move |name: &str| described.iter().any(|each| each.name == name && each.scope == ParameterScope::Build);
-        let chosen = self.parameters.iter().filter(|(name, _)| shapes(name));
-        chosen.map(|(name, value)| (name.to_owned(), value.clone())).collect::<Vec<_>>().into_iter()
+        let shapes = |name: &str| described.iter().any(|of| of.name == name && of.scope == ParameterScope::Build);
+        self.parameters.iter().filter(|(name, _)| shapes(name)).collect()
     }
 
     /// Whether one structure serves both: they differ in parameters of the trace alone.
     pub fn shares_structure_with(&self, other: &Self) -> bool {
-        self.name() == other.name()
-            && self.resolution == other.resolution
-            && self.build_parameters().eq(other.build_parameters())
+        (self.name(), self.resolution) == (other.name(), other.resolution)
+            && self.build_parameters() == other.build_parameters()
     }
 
     /// The tracer as `--tracer` takes it.

@@ -39,7 +39,9 @@ impl Progress {
         let (target, template) = if self.quiet {
             (ProgressDrawTarget::hidden(), "")
         } else if terminal.is_hidden() {
-            (ProgressDrawTarget::term_like(Box::new(Lines::new(BETWEEN_LINES, to_stderr))), LINE)
+            let drawn = Mutex::new((String::new(), Instant::now()));
+            let lines = Lines { between: BETWEEN_LINES, tell: to_stderr, drawn };
+            (ProgressDrawTarget::term_like(Box::new(lines)), LINE)
         } else {
             (terminal, "  {msg} {wide_bar} {pos}/{len} {left}")
         };
@@ -72,12 +74,6 @@ struct Lines {
     tell: fn(&str),
     /// What was drawn since the last flush, and when a line was told or, before the first one, when the work began.
     drawn: Mutex<(String, Instant)>,
-}
-
-impl Lines {
-    fn new(between: Duration, tell: fn(&str)) -> Self {
-        Self { between, tell, drawn: Mutex::new((String::new(), Instant::now())) }
-    }
 }
 
 impl TermLike for Lines {
@@ -140,7 +136,8 @@ mod tests {
     fn without_a_terminal_there_are_lines_now_and_then() {
         for (between, lines) in [(Duration::ZERO, 2), (Duration::from_secs(3600), 0)] {
             TOLD.lock().unwrap().clear();
-            let target = ProgressDrawTarget::term_like(Box::new(Lines::new(between, note)));
+            let drawn = Mutex::new((String::new(), Instant::now()));
+            let target = ProgressDrawTarget::term_like(Box::new(Lines { between, tell: note, drawn }));
             let bar = ProgressBar::with_draw_target(Some(8), target).with_message("ground truth");
             bar.set_style(style(LINE).unwrap());
             for done in [2, 4] {

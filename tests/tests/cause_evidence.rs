@@ -11,9 +11,9 @@ use tracebench_api::{
 };
 use tracebench_harness::judge::{Class, Judge, Rule};
 use tracebench_harness::measure::TracerConfig;
-use tracebench_harness::measure::session::{PreparedRays, RayRequest, Session};
+use tracebench_harness::measure::session::{PreparedRays, Session};
 use tracebench_harness::progress::Progress;
-use tracebench_harness::rays::{RAY_SETS, RaySet, default_parameters};
+use tracebench_harness::rays::{RAY_SETS, RayParameters, RayScene, RaySet, default_parameters};
 use tracebench_harness::registry::find;
 use tracebench_harness::results::{Judgement, UNEXPLAINED};
 use tracebench_harness::truth::{Cache, Crossing, Ray64, TrueHit, Truth};
@@ -92,20 +92,19 @@ fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str]) -> Session {
     let pose = Pose::from(&scene.cameras[0]);
     let path = scene.camera_path.clone();
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, Some(gpu)).unwrap();
-    let truth = Truth::new(&geometry, &scene.sha256);
+    let truth = Arc::new(Truth::new(&geometry, &scene.sha256));
     let viewpoint = pose.viewpoint(&geometry, [256, 128], 128);
-    let parameters = default_parameters();
-    let sets = rays_of(sets);
-    let request = RayRequest {
-        sets: &sets,
-        image: [96, 48],
-        seed: 1,
-        parameters: &parameters,
+    let seen = RayScene {
+        truth: &truth,
+        viewpoint: &viewpoint,
         path: path.as_ref(),
         mirrors: &[],
+        image: [96, 48],
+        seed: 1,
+        parameters: &RayParameters::try_from(&default_parameters()).unwrap(),
     };
-    let quiet = Progress::new(true);
-    Session::new(&scene.name, truth, viewpoint, request, Some(Arc::clone(gpu)), &Cache::none(), &quiet).unwrap()
+    let (truth, gpu, quiet) = (Arc::clone(&truth), Some(Arc::clone(gpu)), Progress::new(true));
+    Session::new(&scene.name, truth, &rays_of(sets), &seen, gpu, &Cache::none(), &quiet).unwrap()
 }
 
 /// A tracer with a fault planted, built over a session's scene.
@@ -116,12 +115,9 @@ fn built(session: &Session, name: &str, preset: Preset, settings: &[(&str, &str)
     for (parameter, value) in settings {
         parameters.set(&description.parameters, parameter, value).unwrap();
     }
-    let gpu = session.gpu_handle().unwrap();
-    let create = || {
-        let tracer = registration.create(&Ok(Arc::clone(&gpu)))?;
-        Ok(Box::new(Planted { tracer, fault, gpu: Arc::clone(&gpu) }) as Box<dyn Tracer>)
-    };
-    let mut config = TracerConfig::create(description, parameters, create).unwrap();
+    let gpu = session.gpu.clone().unwrap();
+    let tracer = registration.create(&Ok(Arc::clone(&gpu))).unwrap();
+    let mut config = TracerConfig::ready(description, parameters, Box::new(Planted { tracer, fault, gpu }));
     session.sample_build(&mut config).unwrap();
     config
 }
@@ -146,8 +142,8 @@ fn causes(
     let (rays_of, answers, hits) = (some(of, &rays.buffer.host), some(of, &rays.answers), some(of, hits));
     let sampling_model = session.sampling_model(config).unwrap();
     let judge = Judge {
-        truth: session.truth(),
-        eye: Some(session.viewpoint().eye.as_dvec3()),
+        truth: &session.truth,
+        eye: Some(session.viewpoint.eye.as_dvec3()),
         rays: &rays_of,
         answers: &answers,
         query: Query::Closest,
@@ -226,12 +222,12 @@ struct Visit {
 
 impl<'a> Simulation<'a> {
     fn new(session: &'a Session, layers: usize, looks: Looks, thickness: f64) -> Self {
-        let view = session.viewpoint().frame_view();
+        let view = session.viewpoint.frame_view();
         let [width, height] = view.size;
         let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
         let stored = pixels.map(|(column, row)| {
             let direction = view.direction_through(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            session.truth().crossings(&Ray64 { origin: view.eye, direction, t_min: view.near, t_max: view.far })
+            session.truth.crossings(&Ray64 { origin: view.eye, direction, t_min: view.near, t_max: view.far })
         });
         let stored = stored.collect();
         Self { session, view, stored, layers, looks, bias: 1.0, thickness }
@@ -327,7 +323,7 @@ impl<'a> Simulation<'a> {
         let pixel_at = |point: DVec3| 2.0 * point.distance(self.view.eye) / 1024.0;
         let told = f64::from(hit.t);
         let lost = truth.filter(|truth| !hit.is_hit() || told > truth.t);
-        let truths = self.session.truth();
+        let truths = &self.session.truth;
         let Some(truth) = lost else {
             let starts = 4.0 * pixel_at(ray.origin);
             if told <= starts && truths.nearest(ray.origin, starts).is_some() {
@@ -374,7 +370,7 @@ fn simulated(name: &str, settings: &[(&str, &str)], layers: usize, looks: Looks,
     for scene in ["room", "atrium"] {
         let session = session(&gpu, scene, &["stereo", "diffuse"]);
         let config = built(&session, name, Preset::Published, settings, Fault::None);
-        let simulation = Simulation::new(&session, layers, looks, thickness * session.truth().diagonal());
+        let simulation = Simulation::new(&session, layers, looks, thickness * session.truth.diagonal());
         for rays in &session.rays {
             let on_device = hits(&session, &config, rays);
             let answers: Vec<_> = rays.buffer.host.iter().map(|ray| simulation.answer(&Ray64::from(ray))).collect();

@@ -7,9 +7,9 @@ use tracebench_api::glam::DVec3;
 use tracebench_api::{Geometry, Gpu, Hit, Parameters, Preset, Projection, Query, Viewpoint};
 use tracebench_harness::judge::{Class, Judge, Rule, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::measure::TracerConfig;
-use tracebench_harness::measure::session::{PreparedRays, RayRequest, Session};
+use tracebench_harness::measure::session::{PreparedRays, Session};
 use tracebench_harness::progress::Progress;
-use tracebench_harness::rays::{RAY_SETS, RaySet, default_parameters};
+use tracebench_harness::rays::{RAY_SETS, RayParameters, RayScene, RaySet, default_parameters};
 use tracebench_harness::registry::find;
 use tracebench_harness::results::Judgement;
 use tracebench_harness::truth::{Cache, Ray64, Truth};
@@ -38,20 +38,19 @@ fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str], size: Size) -> Session {
     let pose = Pose::from(&scene.cameras[0]);
     let path = scene.camera_path.clone();
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, Some(gpu)).unwrap();
-    let truth = Truth::new(&geometry, &scene.sha256);
+    let truth = Arc::new(Truth::new(&geometry, &scene.sha256));
     let viewpoint = pose.viewpoint(&geometry, size.frame, 64);
-    let parameters = default_parameters();
-    let sets = rays_of(sets);
-    let request = RayRequest {
-        sets: &sets,
-        image: size.rays,
-        seed: 1,
-        parameters: &parameters,
+    let seen = RayScene {
+        truth: &truth,
+        viewpoint: &viewpoint,
         path: path.as_ref(),
         mirrors: &[],
+        image: size.rays,
+        seed: 1,
+        parameters: &RayParameters::try_from(&default_parameters()).unwrap(),
     };
-    let quiet = Progress::new(true);
-    Session::new(&scene.name, truth, viewpoint, request, Some(Arc::clone(gpu)), &Cache::none(), &quiet).unwrap()
+    let (truth, gpu, quiet) = (Arc::clone(&truth), Some(Arc::clone(gpu)), Progress::new(true));
+    Session::new(&scene.name, truth, &rays_of(sets), &seen, gpu, &Cache::none(), &quiet).unwrap()
 }
 
 /// The tracer with some settings over a preset, built over a session's scene.
@@ -62,8 +61,8 @@ fn built(session: &Session, preset: Preset, settings: &[(&str, &str)]) -> Tracer
     for (name, value) in settings {
         parameters.set(&description.parameters, name, value).unwrap();
     }
-    let device = Ok(session.gpu_handle().unwrap());
-    let mut config = TracerConfig::create(description, parameters, || registration.create(&device)).unwrap();
+    let device = Ok(session.gpu.clone().unwrap());
+    let mut config = TracerConfig::ready(description, parameters, registration.create(&device).unwrap());
     session.sample_build(&mut config).unwrap();
     config
 }
@@ -153,7 +152,7 @@ struct Outcome {
 
 fn outcome(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Outcome {
     let hits = hits(session, config, rays);
-    let (truth, viewpoint) = (session.truth(), session.viewpoint());
+    let (truth, viewpoint) = (&session.truth, &session.viewpoint);
     let view = viewpoint.frame_view();
     let [mut all, mut visible, mut same_triangle, mut sure] = [Share::default(); 4];
     let mut shown = Vec::new();

@@ -26,7 +26,7 @@ pub const SCHEMA: u32 = 1;
 pub const DEFAULT_THRESHOLD: f64 = 0.05;
 
 /// Two runs compared with each other.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Comparison {
     /// [`SCHEMA`].
     pub schema: u32,
@@ -49,7 +49,7 @@ pub struct Comparison {
 }
 
 /// A run by name.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Side {
     /// What the user called it.
     pub path: String,
@@ -200,10 +200,7 @@ pub fn compare(a: (&str, &Record), b: (&str, &Record), threshold: f64) -> Compar
         b: side(b),
         threshold,
         differences: differences(a.1, b.1),
-        builds: Vec::new(),
-        traces: Vec::new(),
-        only_in_a: Vec::new(),
-        only_in_b: Vec::new(),
+        ..Comparison::default()
     };
     // Rows of joined shards keep their machines, and times of different machines say nothing of the work.
     let joined = [a.1, b.1].iter().any(|record| !record.provenance.further_machines.is_empty());
@@ -215,10 +212,7 @@ pub fn compare(a: (&str, &Record), b: (&str, &Record), threshold: f64) -> Compar
     comparison.only_in_a.extend(only_in_a.into_iter().map(|record| Key::of(record, None)));
     comparison.only_in_b.extend(only_in_b.into_iter().map(|record| Key::of(record, None)));
     for (a, b) in pairs {
-        let speed = |one: &Times, other: &Times| {
-            let caveat = caveat((rows[0], one), (rows[1], other));
-            speed(one, other, threshold, timed(a, b), caveat)
-        };
+        let speed = |one: &Times, other: &Times| speed((rows[0], one), (rows[1], other), threshold, timed(a, b));
         let told = a.build.steady.is_some() && b.build.steady.is_some();
         let steady = told.then(|| speed(a.build.steady(), b.build.steady()));
         // Of records that tell other times only phases are the same.
@@ -290,7 +284,9 @@ fn caveat(a: (&Record, &Times), b: (&Record, &Times)) -> Option<Caveat> {
 }
 
 /// `comparable`: both were timed on the same machine, as far as that is known.
-fn speed(a: &Times, b: &Times, threshold: f64, comparable: bool, caveat: Option<Caveat>) -> Speed {
+fn speed(a: (&Record, &Times), b: (&Record, &Times), threshold: f64, comparable: bool) -> Speed {
+    let caveat = caveat(a, b);
+    let (a, b) = (a.1, b.1);
     let timed = |times: &Times| (!times.samples_ms.is_empty()).then_some(times.median_ms);
     let ratio = Ratio::of_times(&a.samples_ms, &b.samples_ms, COVERAGE).filter(|_| comparable && a.clock == b.clock);
     let fewest = a.samples_ms.len().min(b.samples_ms.len());

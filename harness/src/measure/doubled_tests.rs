@@ -236,7 +236,7 @@ fn doublings_are_measured() {
         let tracer = request.registration.create(&device).unwrap();
         let build = |repeats: usize| {
             let mut clock = PhaseClock::new(session.gpu());
-            let (geometry, viewpoint) = (session.geometry(), session.viewpoint());
+            let (geometry, viewpoint) = (session.geometry(), &session.viewpoint);
             let built = (0..repeats).map(|_| tracer.build(geometry, viewpoint, &request.parameters, &mut clock));
             let built = built.collect::<Result<Vec<_>, _>>()?;
             let timing = clock.finish();

@@ -15,7 +15,9 @@ use super::workload::{MeasureOptions, Refusal};
 use super::{RunError, TracerConfig, sound};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
-use crate::results::{BuildRecord, ClockTicks, InterleavedSetRecord, MemoryRecord, SampleSchedule};
+use crate::results::{
+    BuildRecord, ClockTicks, InterleavedSetRecord, KernelRecord, MemoryRecord, SampleSchedule, StopReason,
+};
 
 /// A validation that takes longer is told of, where bars do not show: it is the only work that grows with what is stored.
 const LONG_VALIDATION: Duration = Duration::from_secs(2);
@@ -134,8 +136,8 @@ impl<'a> InterleavedSet<'a> {
     /// Lets a configuration take part, in a stall of its own.
     pub fn enter(&mut self, config: TracerConfig, request: Option<&TracerRequest>, control: Option<Control>) {
         let viewpoint = match request.and_then(|request| request.resolution) {
-            Some(Resolution { frame, face }) => Viewpoint { frame, face, ..*self.session.viewpoint() },
-            None => *self.session.viewpoint(),
+            Some(Resolution { frame, face }) => Viewpoint { frame, face, ..self.session.viewpoint },
+            None => self.session.viewpoint,
         };
         let (builds, statistics) = (BuildSamples::default(), BTreeMap::new());
         self.slots.push(StructureSlot { config, viewpoint, builds, statistics });
@@ -153,33 +155,25 @@ impl<'a> InterleavedSet<'a> {
         self.participants[participant].out.get_or_insert(refusal);
     }
 
-    /// Whether any participant of a stall is still in.
-    fn is_in(&self, slot: usize) -> bool {
-        self.participants.iter().any(|participant| participant.slot == slot && participant.out.is_none())
-    }
-
-    /// Does something with a stall unless it has failed before; a failure takes its participants out.
-    pub(super) fn attempt<R>(
+    /// Does something with a stall unless it has failed before; a failure takes its participants out. `for_room`: it may be for want of
+    /// room beside others.
+    fn attempt<R>(
         &mut self,
         slot: usize,
+        for_room: bool,
         work: impl FnOnce(&mut StructureSlot) -> Result<R, TracerError>,
     ) -> Option<R> {
-        if !self.is_in(slot) {
+        if !self.participants.iter().any(|participant| participant.slot == slot && participant.out.is_none()) {
             return None;
         }
         let refusal = match work(&mut self.slots[slot]) {
             Ok(done) => return Some(done),
-            Err(error) => Refusal::of(&error, true),
+            Err(error) => Refusal::of(&error, for_room),
         };
         for participant in self.participants.iter_mut().filter(|participant| participant.slot == slot) {
             participant.out.get_or_insert_with(|| refusal.clone());
         }
         None
-    }
-
-    /// What sampling depends on; none where nothing is timed.
-    pub(super) fn sampling(&self) -> Option<SampleSchedule> {
-        self.options.timed.then_some(self.options.sampling)
     }
 
     /// Rounds of some work and so many participants, with the fixed kernels of the clocks by which some slots are timed.
@@ -219,11 +213,11 @@ impl<'a> InterleavedSet<'a> {
 
     /// Builds everything, or refits it, in rounds; then lets every structure be read back and checked.
     pub fn build(&mut self) -> Result<Structures, RunError> {
-        let mut interleaved_sets: Vec<InterleavedSetRecord> =
-            self.refit(self.options.sampling.min_rounds)?.into_iter().collect();
+        let counted = self.options.sampling.map_or(0, |sampling| sampling.min_rounds);
+        let mut interleaved_sets: Vec<InterleavedSetRecord> = self.refit(counted)?.into_iter().collect();
         let built = self.refitted(false);
         let configs: Vec<usize> = built.iter().copied().filter(|slot| self.is_tracer(*slot)).collect();
-        let sampling = self.sampling().filter(|_| self.options.builds_timed);
+        let sampling = self.options.sampling.filter(|_| self.options.builds_timed);
         let mut rounds = self.rounds((BUILDS, 0), built.len(), configs.iter().copied(), sampling);
         let bar = self.progress.bar(BUILDS, (rounds.least() * built.len()) as u64);
         let gpu = self.session.gpu();
@@ -246,24 +240,30 @@ impl<'a> InterleavedSet<'a> {
         if self.options.validated {
             self.validate();
         }
-        let trace_to = self.session.trace_to();
         let believed = records::are_believed(self.slots.iter().map(|slot| &slot.builds.phases[..]));
         let told = |slot: usize| {
             // Behind that of the refits is that of the controls, which are built.
             let place = usize::from(self.options.refitted && !self.is_tracer(slot));
-            let slot = &self.slots[slot];
-            let mut build = records::build_record(&slot.builds, believed, slot.config.setup_ms);
-            let is_timed = !slot.builds.phases.is_empty() && place < interleaved_sets.len();
+            let StructureSlot { config, builds, statistics, .. } = &self.slots[slot];
+            let BuildSamples { phases, first, steady } = builds;
+            // What was not timed has no whole times.
+            let whole = |samples: &[Timing]| (!samples.is_empty()).then(|| Box::new(records::times(samples, true)));
+            let (times, setup_ms) = (records::times(phases, believed), config.setup_ms);
+            let mut build = BuildRecord { times, first: whole(first), steady: whole(steady), setup_ms };
+            let is_timed = !phases.is_empty() && place < interleaved_sets.len();
             let interleaved_set = is_timed.then_some(place as u32);
             for times in build.all_mut() {
                 times.invalid = self.ticks().and_then(|ticks| ticks.too_coarse(times));
                 times.interleaved_set = interleaved_set;
             }
-            Ok::<Built, TracerError>(Built {
-                memory: records::memory_record(slot.config.structure()?.memory(), trace_to),
-                structure_statistics: slot.statistics.clone(),
-                build,
-            })
+            let memory = config.structure()?.memory();
+            let memory = MemoryRecord {
+                structure_bytes: memory.structure_bytes(),
+                geometry_bytes: memory.geometry_bytes_to(self.session.trace_to),
+                structure: memory.structure,
+                build_peak_bytes: memory.build_peak_bytes,
+            };
+            Ok::<Built, TracerError>(Built { memory, structure_statistics: statistics.clone(), build })
         };
         let outcome = |participant: &Participant| match &participant.out {
             None => told(participant.slot).map(Ok),
@@ -287,7 +287,7 @@ impl<'a> InterleavedSet<'a> {
             return Ok(None);
         }
         let (geometry, gpu) = (self.session.geometry(), self.session.gpu());
-        let sampling = (self.options.timed && counted > 0).then_some(SampleSchedule::rounds(counted));
+        let sampling = (counted > 0).then_some(SampleSchedule::rounds(counted));
         let mut rounds = self.rounds((UPDATES, 0), slots.len(), slots.iter().copied(), sampling);
         let bar = self.progress.bar(UPDATES, 2 * slots.len() as u64 * (u64::from(counted) + 1));
         for pass in 0..=counted {
@@ -296,7 +296,7 @@ impl<'a> InterleavedSet<'a> {
                 let is_round = counts || (pass == 0 && !is_refit);
                 let round = if is_round { rounds.next(gpu, || [Vec::new()])? } else { None };
                 for place in round.map_or_else(|| (0..slots.len()).collect(), |round| round.order) {
-                    let sample = self.attempt(slots[place], |one| match is_refit {
+                    let sample = self.attempt(slots[place], true, |one| match is_refit {
                         true => one.config.update(Update::Refit, geometry, &one.viewpoint, gpu),
                         false => one.config.build(geometry, &one.viewpoint, gpu).map(Some),
                     });
@@ -316,8 +316,8 @@ impl<'a> InterleavedSet<'a> {
 
     /// A first build and, where times are taken, a steady one behind it.
     fn build_once(&mut self, slot: usize, counts: bool) {
-        let (session, timed) = (self.session, self.options.timed && self.options.builds_timed);
-        let built = self.attempt(slot, |one| {
+        let (session, timed) = (self.session, self.options.sampling.is_some() && self.options.builds_timed);
+        let built = self.attempt(slot, true, |one| {
             let first = one.config.build(session.geometry(), &one.viewpoint, session.gpu())?;
             let mut again = || one.config.update(Update::Rebuild, session.geometry(), &one.viewpoint, session.gpu());
             Ok((first, if timed { again()? } else { None }))
@@ -336,19 +336,13 @@ impl<'a> InterleavedSet<'a> {
         let bar = self.progress.bar("validate", self.slots.len() as u64);
         for slot in 0..self.slots.len() {
             let begin = Instant::now();
-            let before: Vec<bool> = self.participants.iter().map(|participant| participant.out.is_none()).collect();
             let session = self.session;
-            let statistics = self.attempt(slot, |one| {
+            // What is unsound is so with or without others beside it.
+            let statistics = self.attempt(slot, false, |one| {
                 let found = sound::statistics(one.config.structure()?, session.geometry())?;
                 Ok(found.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
             });
             self.slots[slot].statistics = statistics.unwrap_or_default();
-            // What is unsound is so with or without others beside it.
-            for (participant, _) in self.participants.iter_mut().zip(before).filter(|(_, was_in)| *was_in) {
-                if let Some(refusal) = &mut participant.out {
-                    refusal.for_room = false;
-                }
-            }
             bar.inc(1);
             if begin.elapsed() > LONG_VALIDATION {
                 let name = self.slots[slot].config.description.name;
@@ -379,16 +373,13 @@ impl<'a> InterleavedSet<'a> {
         }
         let session = self.session;
         match work(session, self.config(participant)) {
-            Ok(done) => Some(done),
+            Ok(done) => return Some(done),
             Err(error @ TracerError::Unsupported(_)) => {
                 self.participants[participant].unserved = Some(Refusal::of(&error, false));
-                None
             }
-            Err(error) => {
-                self.take_out(participant, Refusal::of(&error, true));
-                None
-            }
+            Err(error) => self.take_out(participant, Refusal::of(&error, true)),
         }
+        None
     }
 }
 
@@ -410,8 +401,8 @@ impl<'a> Setting<'a> {
     ) -> Rounds<'a> {
         let sides = [Residency::Host, Residency::Device].into_iter().filter(|side| done_on.contains(side));
         let kernels = self.kernels.filter(|_| sampling.is_some());
-        let kernels = sides.filter_map(|side| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
-        Rounds::new(sampling, order_seed, participants, kernels)
+        let timed = |side| kernels.filter(|kernels| kernels.have(side)).map(|kernels| (side, kernels, Vec::new()));
+        Rounds { sampling, order_seed, participants, kernels: sides.filter_map(timed).collect(), ..Rounds::default() }
     }
 
     /// The record of an interleaved set; none where nothing was timed.
@@ -422,7 +413,8 @@ impl<'a> Setting<'a> {
         participants: Vec<String>,
     ) -> Option<InterleavedSetRecord> {
         let Setting { scene, viewpoint, resident_batch, .. } = self.clone();
-        let kernels = rounds.kernels();
+        let kernel = |(side, kernels, timings): &(Residency, &Kernels, Vec<Timing>)| kernels.record(*side, timings);
+        let kernels: Vec<KernelRecord> = rounds.kernels.iter().map(kernel).collect();
         let each_round = match work {
             BUILDS => "first builds, each with a rebuild behind it",
             UPDATES | FRAMES => "the next frame",
@@ -440,7 +432,7 @@ impl<'a> Setting<'a> {
             each_round: each_round.to_owned(),
             warm_up_rounds: 1,
             sampling: rounds.sampling?,
-            stop_reason: rounds.stop_reason,
+            stop_reason: rounds.stop_reason.unwrap_or(StopReason::Rounds),
             sampled_s: rounds.sampled_s,
             widest_interval: rounds.widest_interval,
             drift: kernels.iter().any(|kernel| kernel.drifts),
@@ -463,13 +455,8 @@ impl Refusal {
         Self { reason: error.to_string(), too_large, unavailable, unserved, for_room }
     }
 
-    /// For a reason that is no limit of device or method.
-    pub(super) fn because(reason: String) -> Self {
-        Self { reason, too_large: false, unavailable: false, unserved: false, for_room: false }
-    }
-
     /// Of what nothing is known.
     pub(super) fn not_measured() -> Self {
-        Self::because("not measured".to_owned())
+        Self { reason: "not measured".to_owned(), ..Self::default() }
     }
 }

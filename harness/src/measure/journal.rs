@@ -94,10 +94,15 @@ impl Journal {
         }
         // Interleaved sets without a plan are left of nothing that could be gone on with.
         Self::take_away(results);
-        let begun = Begun { launch: launch.cloned(), ..Begun::now(plan, machine) };
+        Self::of(results, Begun { launch: launch.cloned(), ..Begun::now(plan, machine) })
+    }
+
+    /// Keeps what was begun, and all that ends from now on.
+    fn of(results: &Arc<OutputFolder>, begun: Begun) -> Result<Self, JournalError> {
         results.write(PLAN, &files::json(PLAN, &begun)?)?;
-        let (started, plan_sha256) = (Some(begun.started), sha256_of(plan));
-        Ok(Self { folder: Some(results.clone()), started, plan_sha256, ..Self::default() })
+        let Begun { plan, started, resumed, .. } = begun;
+        let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
+        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started) })
     }
 
     /// Goes on with what is in a folder of results, if it is the same plan by the same program on the same machine.
@@ -125,10 +130,7 @@ impl Journal {
             return Err(other(&format!("on another machine ({theirs}; this is {ours})")));
         }
         begun.resumed.push(now.started);
-        results.write(PLAN, &files::json(PLAN, &begun)?)?;
-        let Begun { resumed, started, .. } = begun;
-        let plan_sha256 = sha256_of(plan);
-        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started) })
+        Self::of(results, begun)
     }
 
     /// Whether a run that was broken off is in a folder of results.
@@ -222,10 +224,6 @@ impl Begun {
             resumed: Vec::new(),
         }
     }
-}
-
-fn sha256_of(plan: &Value) -> String {
-    crate::hash::sha256_of(plan.to_string().as_bytes())
 }
 
 /// Where two plans differ first, in words.

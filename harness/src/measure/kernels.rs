@@ -36,26 +36,26 @@ pub(crate) fn on_host(clock: &mut PhaseClock<'_>, tasks: u32) {
     clock.host_phase("work", || black_box((0..tasks).into_par_iter().map(fixed_task).reduce(|| 0, |a, b| a ^ b)));
 }
 
+fn sample_host(tasks: u32) -> Result<Timing, TracerError> {
+    let mut clock = PhaseClock::new(None);
+    on_host(&mut clock, tasks);
+    clock.finish()
+}
+
 impl Kernels {
     /// Finds out how much work takes long enough.
     ///
     /// # Errors
     /// What the device says.
     pub fn new(gpu: Option<&Gpu>) -> Result<Self, TracerError> {
-        let host_tasks = enough(|tasks| {
-            let mut clock = PhaseClock::new(None);
-            on_host(&mut clock, tasks);
-            clock.finish()
-        })?;
-        let device = match gpu {
-            None => None,
-            Some(gpu) => {
-                let work = FixedWork::new(gpu)?;
-                let tasks = enough(|tasks| on_device(gpu, &work, &work.plan(gpu, tasks)?))?;
-                let plan = work.plan(gpu, tasks)?;
-                Some((work, plan, tasks))
-            }
-        };
+        let host_tasks = enough(sample_host)?;
+        let device = gpu.map(|gpu| -> Result<_, TracerError> {
+            let work = FixedWork::new(gpu)?;
+            let tasks = enough(|tasks| on_device(gpu, &work, &work.plan(gpu, tasks)?))?;
+            let plan = work.plan(gpu, tasks)?;
+            Ok((work, plan, tasks))
+        });
+        let device = device.transpose()?;
         let device_ms = gpu.map_or(Ok(None), Gpu::tick_ms)?;
         Ok(Self { host_tasks, device, ticks: ClockTicks { host_ms: tick_ms(Instant::now), device_ms } })
     }
@@ -71,15 +71,9 @@ impl Kernels {
     /// What the device says.
     pub fn sample(&self, on: Residency, gpu: Option<&Gpu>) -> Result<Timing, TracerError> {
         match (on, &self.device, gpu) {
-            (Residency::Device, Some((work, plan, _)), Some(gpu)) => on_device(gpu, work, plan),
-            (Residency::Device, ..) => {
-                Err(TracerError::Unavailable("a fixed kernel on a device that is not there".to_owned()))
-            }
-            (Residency::Host, ..) => {
-                let mut clock = PhaseClock::new(None);
-                on_host(&mut clock, self.host_tasks);
-                clock.finish()
-            }
+            (Residency::Host, ..) => sample_host(self.host_tasks),
+            (_, Some((work, plan, _)), Some(gpu)) => on_device(gpu, work, plan),
+            _ => Err(TracerError::Unavailable("a fixed kernel on a device that is not there".to_owned())),
         }
     }
 

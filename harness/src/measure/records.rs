@@ -2,30 +2,23 @@
 
 use std::collections::BTreeMap;
 
+use itertools::Itertools as _;
 use tracebench_api::{
-    ClockKind, Counter, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, Preset, Residency, Status, Timing,
-    TraceTo, TracerDescription, Value, Viewpoint,
+    ClockKind, Counter, Hit, HitBuffer, MemoryEntry, Parameters, Status, Timing, TraceTo, Value, Viewpoint,
 };
 use tracebench_scenes::{Origin, Scene};
 
 use super::controls::Control;
-use super::interleaved_set::BuildSamples;
 use super::session::PreparedRays;
 use crate::plan::TracerRequest;
 use crate::results::{
-    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
-    TraceRecord, TracerRecord, ViewpointRecord, whole_ns,
+    CounterRecord, Judgement, PhaseRecord, SceneRecord, SurfaceJudgement, Times, TraceRecord, TracerRecord,
+    ViewpointRecord, whole_ns,
 };
 use crate::statistics::{median, median_interval};
 
 /// A clock's resolution, milliseconds: a shorter time is not told from it, and no speed is infinite.
 const MIN_MS: f64 = 1e-6;
-
-fn counter_record(counter: &Counter, rays: usize) -> (String, CounterRecord) {
-    let per_ray = counter.total as f64 / rays.max(1) as f64;
-    let record = CounterRecord { total: counter.total, per_ray, max_per_ray: counter.max_per_ray };
-    (counter.name.to_owned(), record)
-}
 
 /// What a configuration answered to one ray set: its times, the answers that were judged, the counts, the trace's own buffers, how far it
 /// went, and the verdicts on hits and surfaces.
@@ -38,11 +31,12 @@ pub(crate) fn trace_record(
     trace_to: TraceTo,
     (judgement, surfaces): (Judgement, Option<SurfaceJudgement>),
 ) -> TraceRecord {
-    let mut statuses = BTreeMap::new();
-    for hit in hits {
-        let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
-        *statuses.entry(name.to_owned()).or_insert(0) += 1;
-    }
+    let status = |hit: &Hit| Status::from_code(hit.status).unwrap_or(Status::Unwritten).name().to_owned();
+    let statuses = hits.iter().counts_by(status).into_iter().map(|(name, rays)| (name, rays as u64)).collect();
+    let counter = |&Counter { name, total, max_per_ray }: &Counter| {
+        let per_ray = total as f64 / hits.len().max(1) as f64;
+        (name.to_owned(), CounterRecord { total, per_ray, max_per_ray })
+    };
     let per_trace = by_name(HitBuffer::memory(trace_to, hits.len()).into_iter().chain(trace_memory));
     TraceRecord {
         rays: rays.set.name.to_owned(),
@@ -60,7 +54,7 @@ pub(crate) fn trace_record(
         times,
         hits_sha256: crate::hash::sha256_of(hits),
         same_as_first: None,
-        counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
+        counters: counters.iter().map(counter).collect(),
         statuses,
         judgement,
         surfaces,
@@ -136,23 +130,6 @@ pub(crate) fn samples<'a>(timings: impl Iterator<Item = &'a Timing>, believed: b
     ((!timings.is_empty()).then_some(times.clock), times.samples_ms)
 }
 
-/// The record of what a structure took; of what was not timed without whole times.
-pub(super) fn build_record(builds: &BuildSamples, believed: bool, setup_ms: f64) -> BuildRecord {
-    let whole = |samples: &[Timing]| (!samples.is_empty()).then(|| Box::new(times(samples, true)));
-    let (first, steady) = (whole(&builds.first), whole(&builds.steady));
-    BuildRecord { times: times(&builds.phases, believed), first, steady, setup_ms }
-}
-
-/// Memory of a structure that is traced to an end.
-pub(crate) fn memory_record(memory: MemoryReport, trace_to: TraceTo) -> MemoryRecord {
-    MemoryRecord {
-        structure_bytes: memory.structure_bytes(),
-        geometry_bytes: memory.geometry_bytes_to(trace_to),
-        structure: memory.structure,
-        build_peak_bytes: memory.build_peak_bytes,
-    }
-}
-
 /// Values as JSON has them.
 pub(crate) fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_json::Value> {
     let json = |value: &Value| serde_json::to_value(value).unwrap_or_default();
@@ -161,30 +138,16 @@ pub(crate) fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_jso
 
 /// A control as a tracer.
 pub(crate) fn control_record(control: Control) -> TracerRecord {
-    record_of(&control.description(), &Parameters::preset(&[], Preset::Published), None)
+    let [name, preset, residency] = [control.description().name, "control", "host"].map(str::to_owned);
+    TracerRecord { name, preset, parameters: BTreeMap::new(), changed: Vec::new(), residency }
 }
 
 /// A tracer as it was asked for, whether it can run or not.
 pub(crate) fn request_record(request: &TracerRequest) -> TracerRecord {
-    record_of(&request.registration.describe(), &request.parameters, Some(request))
-}
-
-fn record_of(
-    description: &TracerDescription,
-    parameters: &Parameters,
-    request: Option<&TracerRequest>,
-) -> TracerRecord {
-    TracerRecord {
-        name: description.name.to_owned(),
-        preset: request.map_or("control", |request| request.preset.name()).to_owned(),
-        parameters: json_values(parameters),
-        changed: request.map(|request| request.changed.clone()).unwrap_or_default(),
-        residency: match description.residency {
-            Residency::Host => "host",
-            Residency::Device => "device",
-        }
-        .to_owned(),
-    }
+    let TracerRequest { registration, preset, parameters, changed, .. } = request;
+    let residency = if registration.needs_device() { "device" } else { "host" };
+    let [name, preset, residency] = [request.name(), preset.name(), residency].map(str::to_owned);
+    TracerRecord { name, preset, parameters: json_values(parameters), changed: changed.clone(), residency }
 }
 
 pub(crate) fn scene_record(scene: &Scene) -> SceneRecord {

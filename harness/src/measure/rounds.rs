@@ -37,46 +37,27 @@ pub(crate) struct Round {
 }
 
 /// The rounds of an interleaved set.
+#[derive(Default)]
 pub(crate) struct Rounds<'a> {
     /// None where nothing is timed: all is done once, in the order of participants.
     pub sampling: Option<SampleSchedule>,
-    kernels: Vec<(Residency, &'a Kernels, Vec<Timing>)>,
+    /// The fixed kernels with their counted samples.
+    pub kernels: Vec<(Residency, &'a Kernels, Vec<Timing>)>,
     pub order_seed: u64,
-    participants: usize,
-    begun: usize,
-    counted_since: Option<Instant>,
+    pub participants: usize,
+    pub begun: usize,
+    pub counted_since: Option<Instant>,
     /// Of every counted round.
     pub orders: Vec<Vec<usize>>,
     /// What ended it, once it has.
-    pub stop_reason: StopReason,
+    pub stop_reason: Option<StopReason>,
     /// The widest interval when it ended.
     pub widest_interval: Option<f64>,
     /// Seconds from the first counted round on.
     pub sampled_s: f64,
 }
 
-impl<'a> Rounds<'a> {
-    /// The rounds of so many participants.
-    pub fn new(
-        sampling: Option<SampleSchedule>,
-        order_seed: u64,
-        participants: usize,
-        kernels: Vec<(Residency, &'a Kernels)>,
-    ) -> Self {
-        Self {
-            sampling,
-            kernels: kernels.into_iter().map(|(side, kernels)| (side, kernels, Vec::new())).collect(),
-            order_seed,
-            participants,
-            begun: 0,
-            counted_since: None,
-            orders: Vec::new(),
-            stop_reason: StopReason::Rounds,
-            widest_interval: None,
-            sampled_s: 0.0,
-        }
-    }
-
+impl Rounds<'_> {
     /// How many there are at least, that which warms up among them.
     pub fn least(&self) -> usize {
         self.sampling.map_or(1, |sampling| sampling.min_rounds as usize + 1)
@@ -113,11 +94,6 @@ impl<'a> Rounds<'a> {
         Ok(Some(Round { order, counts }))
     }
 
-    /// What the kernels tell.
-    pub fn kernels(&self) -> Vec<crate::results::KernelRecord> {
-        self.kernels.iter().map(|(side, kernels, timings)| kernels.record(*side, timings)).collect()
-    }
-
     fn ends<'t, const KINDS: usize>(&mut self, timed: impl FnOnce() -> [Vec<&'t [Timing]>; KINDS]) -> bool {
         let Some(sampling) = self.sampling else { return true };
         let counted = self.orders.len();
@@ -127,9 +103,8 @@ impl<'a> Rounds<'a> {
         let limit = sampling.adaptive.map(|adaptive| adaptive.ratio_precision);
         let kinds = timed();
         self.widest_interval = kinds.iter().filter_map(|kind| widest(&timed_samples(kind), limit)).reduce(f64::max);
-        let stop_reason = ended(sampling.adaptive, counted, self.sampled_s, self.widest_interval);
-        self.stop_reason = stop_reason.unwrap_or(self.stop_reason);
-        stop_reason.is_some()
+        self.stop_reason = ended(sampling.adaptive, counted, self.sampled_s, self.widest_interval);
+        self.stop_reason.is_some()
     }
 }
 
@@ -181,14 +156,6 @@ pub(crate) struct TimedSamples {
     by_host: Vec<f64>,
 }
 
-#[cfg(test)]
-impl TimedSamples {
-    /// Times by the host's clock.
-    pub fn of_host(times_ms: Vec<f64>) -> Self {
-        Self { clock: tracebench_api::ClockKind::Host, by_host: times_ms.clone(), own: times_ms }
-    }
-}
-
 /// The lots that an interval is waited for.
 fn timed_samples(timed: &[&[Timing]]) -> Vec<TimedSamples> {
     let believed = super::records::are_believed(timed.iter().copied());
@@ -206,6 +173,13 @@ fn timed_samples(timed: &[&[Timing]]) -> Vec<TimedSamples> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl TimedSamples {
+        /// Times by the host's clock.
+        pub(crate) fn of_host(times_ms: Vec<f64>) -> Self {
+            Self { clock: tracebench_api::ClockKind::Host, by_host: times_ms.clone(), own: times_ms }
+        }
+    }
 
     /// Every order has every participant once, is drawn again by the same seed, and puts every participant first about as often.
     #[test]

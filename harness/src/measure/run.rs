@@ -165,9 +165,6 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunE
 }
 
 /// Measures requests from the plan's viewpoint in a scene.
-///
-/// # Errors
-/// [`RunError`] as its variants say.
 pub(crate) fn measure_scene(
     index: usize,
     plan: &Plan,
@@ -177,18 +174,12 @@ pub(crate) fn measure_scene(
     hook: Option<Hook<'_>>,
     context: &Context<'_>,
 ) -> Result<Measured, RunError> {
-    let (sha256, scene) = (scene.sha256.clone(), RefCell::new(Some(scene)));
-    let prepare = || match scene.take() {
-        Some(scene) => placed(plan, scene, context),
-        None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
-    };
-    measure(&Workload { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, options, hook }, context)
+    let sha256 = scene.sha256.clone();
+    let prepare = Box::new(|| placed(plan, scene, context));
+    measure(Workload { index, scene_sha256: Some(&sha256), prepare, requests, options, hook }, context)
 }
 
 /// The same in the plan's only scene, which is loaded.
-///
-/// # Errors
-/// [`RunError`] as its variants say.
 pub(crate) fn measure_plan(
     index: usize,
     plan: &Plan,
@@ -203,9 +194,6 @@ pub(crate) fn measure_plan(
 }
 
 /// A scene from the plan's viewpoint, ready to be measured.
-///
-/// # Errors
-/// [`RunError`] as its variants say.
 pub(super) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result<PreparedWorkload, RunError> {
     prepare(plan, scene, context.device, context.cache, context.progress)
 }

@@ -3,14 +3,15 @@
 use std::convert::identity;
 use std::sync::Arc;
 
-use tracebench_api::{Geometry, Gpu};
+use tracebench_api::{Geometry, Gpu, TracerError};
 use tracebench_scenes::{Camera, CameraPath, Material, Mesh, Scene, SceneError};
 
-use super::session::{RayRequest, Session};
+use super::session::Session;
 use super::workload::PreparedWorkload;
 use super::{RunError, records};
 use crate::plan::{Plan, SceneSource, ViewRequest};
 use crate::progress::Progress;
+use crate::rays::{RayParameters, RayScene};
 use crate::registry::Device;
 use crate::results::SceneRecord;
 use crate::truth::{Cache, Truth};
@@ -148,9 +149,6 @@ impl SceneTruth {
     }
 
     /// The scene from a pose, with the plan's rays and their truth.
-    ///
-    /// # Errors
-    /// [`RunError`] as its variants say.
     pub(crate) fn seen_from(
         &self,
         plan: &Plan,
@@ -159,21 +157,24 @@ impl SceneTruth {
         progress: &Progress,
     ) -> Result<PreparedWorkload, RunError> {
         let viewpoint = pose.viewpoint(self.truth.geometry(), plan.preset.frame, plan.preset.face);
-        let request = RayRequest {
-            sets: &plan.ray_sets,
-            image: plan.preset.ray_image,
-            seed: plan.seed,
-            parameters: &plan.ray_parameters,
+        let parameters = RayParameters::try_from(&plan.ray_parameters).map_err(TracerError::from)?;
+        let scene = RayScene {
+            truth: &self.truth,
+            viewpoint: &viewpoint,
             path: self.path.as_ref(),
             mirrors: &self.mirrors,
+            image: plan.preset.ray_image,
+            seed: plan.seed,
+            parameters: &parameters,
         };
-        let truth = Arc::clone(&self.truth);
-        let session = Session::new(&self.record.name, truth, viewpoint, request, self.gpu.clone(), cache, progress)?;
+        let (name, truth, gpu) = (&self.record.name, Arc::clone(&self.truth), self.gpu.clone());
+        let session = Session::new(name, truth, &plan.ray_sets, &scene, gpu, cache, progress)?;
+        let Plan { trace_to, wrong_rays_per_cause, .. } = *plan;
         Ok(PreparedWorkload {
             scene: self.record.clone(),
             viewpoint: records::viewpoint_of(&pose.name, &viewpoint, plan.preset.ray_image, plan.time_s),
             difficulty_level: None,
-            session: session.tracing_to(plan.trace_to).keeping_wrong_rays(plan.wrong_rays_per_cause),
+            session: Session { trace_to, wrong_rays_per_cause, ..session },
         })
     }
 }

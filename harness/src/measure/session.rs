@@ -9,14 +9,13 @@ use tracebench_api::{
     Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, SampledImage, Surface,
     Timing, TraceJob, TraceTo, TracerError, Viewpoint, VoxelGrid,
 };
-use tracebench_scenes::CameraPath;
 
 use crate::judge::{Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::measure::workload::Observations;
 use crate::measure::{BuildSample, TracerConfig};
 use crate::progress::Progress;
-use crate::rays::{self, GeneratedRays, Pixel, RayError, RayParameters, RayScene, RaySet, Starts};
+use crate::rays::{self, GeneratedRays, Pixel, RayError, RayScene, RaySet, Starts};
 use crate::results::{Judgement, OCCLUSION, Skipped, SurfaceJudgement, TrueCounts, one_sided};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
@@ -76,83 +75,56 @@ pub struct SamplingModel {
 
 /// One scene from one viewpoint.
 pub struct Session {
-    gpu: Option<Arc<Gpu>>,
-    truth: Arc<Truth>,
-    viewpoint: Viewpoint,
-    trace_to: TraceTo,
-    wrong_rays_per_cause: usize,
-    /// The host's clock.
-    now: fn() -> Instant,
+    /// The device.
+    pub gpu: Option<Arc<Gpu>>,
+    /// The truth.
+    pub truth: Arc<Truth>,
+    /// The viewpoint.
+    pub viewpoint: Viewpoint,
+    /// How far traces go.
+    pub trace_to: TraceTo,
+    /// How many wrong rays of each cause judgements keep.
+    pub wrong_rays_per_cause: usize,
+    /// The host's clock, by which traces are timed.
+    pub now: fn() -> Instant,
     /// The ray sets that are not empty.
     pub rays: Vec<PreparedRays>,
     /// The ray sets that are, with the reason.
     pub skipped: Vec<Skipped>,
 }
 
-/// What rays a session is made of.
-#[derive(Clone, Copy, Debug)]
-pub struct RayRequest<'a> {
-    /// The sets.
-    pub sets: &'a [RaySet],
-    /// Width and height of the image from whose pixels rays start.
-    pub image: [u32; 2],
-    /// Seed.
-    pub seed: u64,
-    /// Values of [`rays::ray_parameters`].
-    pub parameters: &'a Parameters,
-    /// The walk through the scene, if there is one.
-    pub path: Option<&'a CameraPath>,
-    /// For every triangle whether it is a mirror.
-    pub mirrors: &'a [bool],
-}
-
 impl Session {
-    /// Makes the rays, uploads them and tells their truth. `scene_name` is for messages.
+    /// Makes the rays of some sets, uploads them and tells their truth. `scene_name` is for messages.
     ///
     /// # Errors
     /// [`SessionError`] if the truth fails its audit or the device cannot hold the rays.
     pub fn new(
         scene_name: &str,
-        truth: impl Into<Arc<Truth>>,
-        viewpoint: Viewpoint,
-        request: RayRequest<'_>,
+        truth: Arc<Truth>,
+        sets: &[RaySet],
+        scene: &RayScene<'_>,
         gpu: Option<Arc<Gpu>>,
         cache: &Cache,
         progress: &Progress,
     ) -> Result<Self, SessionError> {
-        let truth = truth.into();
-        let primary = Arc::new(rays::primary_rays(&viewpoint, request.image));
+        let viewpoint = *scene.viewpoint;
+        let primary = Arc::new(rays::primary_rays(&viewpoint, scene.image));
         // Most other sets start from the primary hits, so these are always told.
         let answers = Arc::new(truth.answer(&primary, Query::Closest, cache, progress)?);
         let primary = Starts::primary(primary, answers);
         let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
-        let parameters = RayParameters::try_from(request.parameters).map_err(TracerError::from)?;
-        let scene = RayScene {
-            truth: &truth,
-            viewpoint: &viewpoint,
-            path: request.path,
-            mirrors: request.mirrors,
-            image: request.image,
-            seed: request.seed,
-            parameters: &parameters,
-        };
         let tell = |rays: &Arc<Vec<Ray>>| truth.answer(rays, Query::Closest, cache, progress);
-        for set in request.sets {
-            let made = match rays::make(set, &scene, &primary, tell) {
+        for set in sets {
+            let GeneratedRays { rays, pixels } = match rays::make(set, scene, &primary, tell) {
                 Ok(made) => made,
                 Err(RayError::Truth(error)) => return Err(error.into()),
                 Err(error @ RayError::OtherScene(_)) => return Err(SessionError::Rays(error)),
                 Err(error) => {
-                    skipped.push(Skipped {
-                        tracer: None,
-                        scene: scene_name.to_owned(),
-                        rays: Some(set.name.to_owned()),
-                        reason: error.to_string(),
-                    });
+                    let (scene, rays, reason) = (scene_name.to_owned(), Some(set.name.to_owned()), error.to_string());
+                    skipped.push(Skipped { tracer: None, scene, rays, reason });
                     continue;
                 }
             };
-            let GeneratedRays { rays, pixels } = made;
             progress.say(&format!("  rays {}: {}", set.name, rays.len()));
             let answers = if Arc::ptr_eq(&rays, &primary.rays) {
                 Arc::clone(&primary.answers)
@@ -188,17 +160,6 @@ impl Session {
         Ok(Self::with(truth, viewpoint, gpu, rays, Vec::new()))
     }
 
-    /// Takes rays and truth that are there, without a device. `eye`: see [`PreparedRays::eye`].
-    pub fn of_answered(
-        truth: impl Into<Arc<Truth>>,
-        viewpoint: Viewpoint,
-        set: RaySet,
-        known: (Arc<Vec<Ray>>, Arc<Vec<Answer>>),
-        eye: Option<DVec3>,
-    ) -> Self {
-        Self::with(truth.into(), viewpoint, None, vec![PreparedRays::new(set, known, eye, None)], Vec::new())
-    }
-
     /// One that has such rays.
     pub(crate) fn with(
         truth: Arc<Truth>,
@@ -211,52 +172,14 @@ impl Session {
         Self { gpu, truth, viewpoint, trace_to, wrong_rays_per_cause, now: Instant::now, rays, skipped }
     }
 
-    /// The same session with traces to another end than hits.
-    #[must_use]
-    pub fn tracing_to(self, trace_to: TraceTo) -> Self {
-        Self { trace_to, ..self }
-    }
-
-    /// The same session with judgements that keep another number of wrong rays of each cause.
-    #[must_use]
-    pub fn keeping_wrong_rays(self, wrong_rays_per_cause: usize) -> Self {
-        Self { wrong_rays_per_cause, ..self }
-    }
-
-    /// The same session whose traces are timed by another clock of the host.
-    #[cfg(test)]
-    pub(crate) fn read_by(self, now: fn() -> Instant) -> Self {
-        Self { now, ..self }
-    }
-
-    /// How far traces go.
-    pub fn trace_to(&self) -> TraceTo {
-        self.trace_to
-    }
-
     /// The scene's triangles.
     pub fn geometry(&self) -> &Geometry {
         self.truth.geometry()
     }
 
-    /// The truth.
-    pub fn truth(&self) -> &Truth {
-        &self.truth
-    }
-
-    /// The viewpoint.
-    pub fn viewpoint(&self) -> &Viewpoint {
-        &self.viewpoint
-    }
-
     /// The device.
     pub fn gpu(&self) -> Option<&Gpu> {
         self.gpu.as_deref()
-    }
-
-    /// The device, to keep.
-    pub fn gpu_handle(&self) -> Option<Arc<Gpu>> {
-        self.gpu.clone()
     }
 
     /// The controls as configurations.
@@ -350,11 +273,8 @@ impl Session {
     /// # Errors
     /// [`TracerError::Failed`] before the first build, or what the tracer says.
     pub fn sampling_model(&self, config: &TracerConfig) -> Result<SamplingModel, TracerError> {
-        let structure = config.structure()?;
-        Ok(SamplingModel {
-            samplings: structure.samplings(&config.parameters)?,
-            voxels: structure.voxels(&config.parameters)?,
-        })
+        let (structure, parameters) = (config.structure()?, &config.parameters);
+        Ok(SamplingModel { samplings: structure.samplings(parameters)?, voxels: structure.voxels(parameters)? })
     }
 
     /// Judges a configuration's answers.
@@ -362,10 +282,9 @@ impl Session {
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, config: &TracerConfig, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let sampling_model = self.sampling_model(config)?;
+        let SamplingModel { samplings, voxels } = self.sampling_model(config)?;
         let names_primitives = config.description.names_primitives;
-        let judge =
-            Judge { names_primitives, voxels: sampling_model.voxels, ..self.judge_of(rays, &sampling_model.samplings) };
+        let judge = Judge { names_primitives, voxels, ..self.judge_of(rays, &samplings) };
         judge.judge(hits).map_err(|error| no_answers(config.description.name, rays.set.name, error))
     }
 

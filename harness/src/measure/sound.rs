@@ -10,22 +10,20 @@ pub(super) fn statistics(
     geometry: &Geometry,
 ) -> Result<Vec<(&'static str, f64)>, TracerError> {
     let found = structure.validate(geometry).map_err(|error| match error {
-        TracerError::Failed(what) => TracerError::Failed(in_full(&what, geometry)),
+        // In full: what is wrong, and what it means for who asked.
+        TracerError::Failed(what) => {
+            let advice = match is_far(geometry.diagonal(), geometry.farthest_corner(Vec3::ZERO)) {
+                true => "the scene lies too far from the origin for its positions in f32: move it towards the origin",
+                false => "the tracer is wrong here, and not the scene",
+            };
+            TracerError::Failed(format!(
+                "{what}; its structure does not hold what the triangles give, so it is not measured in this scene ({advice})"
+            ))
+        }
         other => other,
     })?;
     match found.iter().find(|(_, value)| !value.is_finite()) {
         Some((name, value)) => Err(TracerError::Failed(format!("its structure says that {name} is {value}"))),
         None => Ok(found),
     }
-}
-
-/// What is wrong, and what it means for who asked.
-fn in_full(what: &str, geometry: &Geometry) -> String {
-    let advice = match is_far(geometry.diagonal(), geometry.farthest_corner(Vec3::ZERO)) {
-        true => "the scene lies too far from the origin for its positions in f32: move it towards the origin",
-        false => "the tracer is wrong here, and not the scene",
-    };
-    format!(
-        "{what}; its structure does not hold what the triangles give, so it is not measured in this scene ({advice})"
-    )
 }

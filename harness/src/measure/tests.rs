@@ -1,7 +1,7 @@
 //! The interleaved set against configurations that cheat or waver, which the registry has none of.
 
 use std::cell::Cell;
-use std::sync::{LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 use std::time::{Duration, Instant};
 
 use tracebench_api::{
@@ -12,11 +12,11 @@ use tracebench_tests::{Fake, Manner};
 
 use super::interleaved_set::{Built, InterleavedSet, Setting};
 use super::kernels::Kernels;
-use super::session::{RayRequest, Session};
+use super::session::Session;
 use super::*;
 use crate::measure::controls::Control;
 use crate::progress::Progress;
-use crate::rays::{RAY_SETS, default_parameters};
+use crate::rays::{RAY_SETS, RayParameters, RayScene, default_parameters};
 use crate::results::{ClockTicks, InterleavedSetRecord, SampleSchedule, Times, TraceRecord};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::Pose;
@@ -25,13 +25,13 @@ use crate::viewpoint::Pose;
 fn session() -> Session {
     let corners = vec![[-2.0, -2.0, 0.0], [2.0, -2.0, 0.0], [0.0, 0.5, 0.0]];
     let geometry = Geometry::new(corners, vec![[0, 1, 2]], None).unwrap();
-    let truth = Truth::new(&geometry, "fake");
+    let truth = Arc::new(Truth::new(&geometry, "fake"));
     let viewpoint = Pose::parse("0,0,3:0,0,0").unwrap().viewpoint(&geometry, [8, 8], 8);
-    let parameters = default_parameters();
-    let request =
-        RayRequest { sets: &RAY_SETS[..1], image: [8, 8], seed: 1, parameters: &parameters, path: None, mirrors: &[] };
+    let parameters = RayParameters::try_from(&default_parameters()).unwrap();
+    let (path, mirrors, image, seed) = (None, &[][..], [8, 8], 1);
+    let scene = RayScene { truth: &truth, viewpoint: &viewpoint, path, mirrors, image, seed, parameters: &parameters };
     let quiet = Progress::new(true);
-    Session::new("fake", truth, viewpoint, request, None, &Cache::none(), &quiet).unwrap()
+    Session::new("fake", Arc::clone(&truth), &RAY_SETS[..1], &scene, None, &Cache::none(), &quiet).unwrap()
 }
 
 /// What came of one configuration.
@@ -82,11 +82,13 @@ fn raced_by(
     let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
     let quiet = Progress::new(true);
-    let options = MeasureOptions { sampling: SampleSchedule::rounds(rounds), timed: true, ..MeasureOptions::untimed() };
+    let options = MeasureOptions { sampling: Some(SampleSchedule::rounds(rounds)), ..MeasureOptions::untimed() };
     let setting =
         Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), resident_batch: 0, kernels, turn: 0 };
     let mut interleaved_set = InterleavedSet::new(&session, options, &quiet, setting);
-    interleaved_set.enter(TracerConfig::ready(description, parameters, tracer).timed_by(now), None, control);
+    let mut config = TracerConfig::ready(description, parameters, tracer);
+    config.now = now;
+    interleaved_set.enter(config, None, control);
     let built = interleaved_set.build().unwrap().outcomes.pop().unwrap();
     let mut answered = interleaved_set.trace(&session.rays[0]).unwrap();
     Came {
@@ -167,8 +169,14 @@ fn times_below_twenty_ticks_are_invalid() {
     let fine = by_steps.ticks.host_ms.unwrap();
     assert!(fine > 0.0 && fine < 1.0, "{fine}");
     by_steps.ticks.host_ms = Some(tick);
-    let came =
-        raced_by(session().read_by(coarse), Some(&by_steps), Instant::now, 3, Box::new(Fake(Manner::Honest)), None);
+    let came = raced_by(
+        Session { now: coarse, ..session() },
+        Some(&by_steps),
+        Instant::now,
+        3,
+        Box::new(Fake(Manner::Honest)),
+        None,
+    );
     let trace = came.trace().unwrap();
     let why = trace.times.invalid.as_ref().unwrap();
     assert!(why.contains("below 20 ticks") && why.contains(&format!("{tick} ms")), "{why}");
@@ -235,7 +243,7 @@ fn structures_must_be_sound() {
 fn unserved_rays_take_nobody_out() {
     let session = session();
     let quiet = Progress::new(true);
-    let options = MeasureOptions { sampling: SampleSchedule::rounds(2), timed: true, ..MeasureOptions::untimed() };
+    let options = MeasureOptions { sampling: Some(SampleSchedule::rounds(2)), ..MeasureOptions::untimed() };
     let (scene, viewpoint) = ("fake".to_owned(), "given".to_owned());
     let setting = Setting { scene, viewpoint, resident_batch: 0, kernels: None, turn: 0 };
     let mut interleaved_set = InterleavedSet::new(&session, options, &quiet, setting);
@@ -383,11 +391,9 @@ fn untimed_builds_are_not_repeated() {
     let mut interleaved_set = InterleavedSet::new(&session, MeasureOptions::untimed(), &quiet, setting);
     let description = TracerDescription { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
-    interleaved_set.enter(
-        TracerConfig::ready(description, parameters, Box::new(Hidden::default())).timed_by(worked),
-        None,
-        None,
-    );
+    let mut config = TracerConfig::ready(description, parameters, Box::new(Hidden::default()));
+    config.now = worked;
+    interleaved_set.enter(config, None, None);
     let Some(Ok(built)) = interleaved_set.build().unwrap().outcomes.pop() else { panic!("not built") };
     assert!(built.build.first.is_none() && built.build.steady.is_none());
     assert_eq!(WORKED.get() - before, Duration::from_millis(1103));

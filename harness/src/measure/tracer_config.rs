@@ -28,38 +28,23 @@ pub struct TracerConfig {
     pub parameters: Parameters,
     /// Time to create it, milliseconds.
     pub setup_ms: f64,
-    /// The host's clock.
-    now: fn() -> Instant,
+    /// The host's clock, by which builds as a whole are timed.
+    pub now: fn() -> Instant,
     tracer: Rc<dyn Tracer>,
     structure: Option<Box<dyn Structure>>,
 }
 
 impl TracerConfig {
-    /// Creates a tracer and times that.
-    ///
-    /// # Errors
-    /// What the tracer says.
-    pub fn create(
-        description: TracerDescription,
-        parameters: Parameters,
-        create: impl FnOnce() -> Result<Box<dyn Tracer>, TracerError>,
-    ) -> Result<Self, TracerError> {
-        let begin = Instant::now();
-        let tracer = create()?;
-        let setup_ms = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Self { setup_ms, ..Self::ready(description, parameters, tracer) })
-    }
-
     /// Takes a tracer that needs no creating.
     pub fn ready(description: TracerDescription, parameters: Parameters, tracer: Box<dyn Tracer>) -> Self {
         let tracer = Rc::from(tracer);
         Self { description, parameters, setup_ms: 0.0, now: Instant::now, tracer, structure: None }
     }
 
-    /// The same by another clock of the host.
-    #[must_use]
-    pub fn timed_by(self, now: fn() -> Instant) -> Self {
-        Self { now, ..self }
+    /// The same tracer without a structure.
+    fn afresh(&self) -> Self {
+        let (description, parameters) = (self.description.clone(), self.parameters.clone());
+        Self { description, parameters, tracer: Rc::clone(&self.tracer), structure: None, ..*self }
     }
 
     /// Builds over triangles and gives the times: a first build. The structure replaces the last one, which is dropped before, outside
@@ -153,7 +138,7 @@ fn grown(
 /// The tracers of requests, each created once and kept from place to place.
 #[derive(Default)]
 pub struct TracerCache {
-    created: Vec<(TracerRequest, Rc<dyn Tracer>, f64)>,
+    created: Vec<TracerConfig>,
 }
 
 impl TracerCache {
@@ -162,18 +147,17 @@ impl TracerCache {
     /// # Errors
     /// What the tracer says.
     pub fn config(&mut self, request: &TracerRequest, device: &Device) -> Result<TracerConfig, TracerError> {
-        let same = |(other, ..): &&(TracerRequest, Rc<dyn Tracer>, f64)| {
-            other.name() == request.name() && other.parameters == request.parameters
-        };
-        let description = request.registration.describe();
-        if let Some((_, tracer, setup_ms)) = self.created.iter().find(same) {
-            let (tracer, parameters) = (Rc::clone(tracer), request.parameters.clone());
-            let now = Instant::now;
-            return Ok(TracerConfig { description, parameters, setup_ms: *setup_ms, now, tracer, structure: None });
+        let (description, parameters) = (request.registration.describe(), request.parameters.clone());
+        let same =
+            |known: &&TracerConfig| (known.description.name, &known.parameters) == (description.name, &parameters);
+        if let Some(known) = self.created.iter().find(same) {
+            return Ok(known.afresh());
         }
-        let config =
-            TracerConfig::create(description, request.parameters.clone(), || request.registration.create(device))?;
-        self.created.push((request.clone(), Rc::clone(&config.tracer), config.setup_ms));
+        let begin = Instant::now();
+        let tracer = request.registration.create(device)?;
+        let setup_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let config = TracerConfig { setup_ms, ..TracerConfig::ready(description, parameters, tracer) };
+        self.created.push(config.afresh());
         Ok(config)
     }
 }

@@ -7,7 +7,6 @@ use super::controls::checked;
 use super::doubled_work::{DoubledWork, invalid_reason};
 use super::interleaved_set::{InterleavedSet, Participant};
 use super::records;
-use super::rounds::Rounds;
 use super::session::PreparedRays;
 use super::workload::{Observations, Refusal};
 use crate::judge::true_counts;
@@ -47,14 +46,11 @@ impl InterleavedSet<'_> {
         let Sampled { buffers, timings, believed, interleaved_set } = loop {
             let attempt = usize::from(failed.is_some());
             let mut sampled = self.sample(rays, attempt)?;
-            let fails = sampled
-                .interleaved_set
-                .as_ref()
-                .and_then(|interleaved_set| invalid_reason(&interleaved_set.doubled_work));
-            if let (Some(interleaved_set), Some(_)) = (&mut sampled.interleaved_set, &failed) {
-                interleaved_set.repeated_because.clone_from(&failed);
+            let before = failed.take();
+            if let Some(interleaved_set) = &mut sampled.interleaved_set {
+                failed = invalid_reason(&interleaved_set.doubled_work);
+                interleaved_set.repeated_because = before;
             }
-            failed = fails;
             if failed.is_none() || attempt + 1 == ATTEMPTS {
                 break sampled;
             }
@@ -107,11 +103,12 @@ impl InterleavedSet<'_> {
         for participant in 0..count {
             buffers.push(self.attempt_in(participant, |session, config| session.hit_buffer(config, rays)));
         }
-        let mut doubles = if self.options.timed { self.doubles(rays) } else { Vec::new() };
+        let sampling = self.options.sampling;
+        let mut doubles = if sampling.is_some() { self.doubles(rays) } else { Vec::new() };
         let mut timings: Vec<Vec<Timing>> = vec![Vec::new(); count];
         let is_tracer = |participant: &&Participant| participant.control.is_none() && participant.out.is_none();
         let slots = self.participants.iter().filter(is_tracer).map(|participant| participant.slot);
-        let mut rounds = self.rounds((rays.set.name, attempt), count + doubles.len(), slots, self.sampling());
+        let mut rounds = self.rounds((rays.set.name, attempt), count + doubles.len(), slots, sampling);
         let name = format!("trace {}", rays.set.name);
         let bar = self.progress.bar(&name, (rounds.least() * (count + doubles.len())) as u64);
         loop {
@@ -139,26 +136,15 @@ impl InterleavedSet<'_> {
         bar.finish_and_clear();
         let timed_samples = timings.iter().chain(doubles.iter().map(|double| &double.timings));
         let believed = records::are_believed(timed_samples.map(Vec::as_slice));
-        let interleaved_set = self.traced(rays, &rounds, &doubles, &timings, believed);
-        Ok(Sampled { buffers, timings, believed, interleaved_set })
-    }
-
-    fn traced(
-        &self,
-        rays: &PreparedRays,
-        rounds: &Rounds<'_>,
-        doubles: &[DoubledWork],
-        timings: &[Vec<Timing>],
-        believed: bool,
-    ) -> Option<InterleavedSetRecord> {
         let labels = self.participants.iter().map(Participant::label);
         let doubled = doubles.iter().map(|double| format!("{} twice", self.participants[double.participant].label()));
-        let mut interleaved_set = self.setting.record(rays.set.name, rounds, labels.chain(doubled).collect())?;
+        let interleaved_set = self.setting.record(rays.set.name, &rounds, labels.chain(doubled).collect());
         let told = |double: &DoubledWork| {
             double.record(self.participants[double.participant].label(), &timings[double.participant], believed)
         };
-        interleaved_set.doubled_work = doubles.iter().map(told).collect();
-        Some(interleaved_set)
+        let doubled_work = doubles.iter().map(told).collect();
+        let interleaved_set = interleaved_set.map(|record| InterleavedSetRecord { doubled_work, ..record });
+        Ok(Sampled { buffers, timings, believed, interleaved_set })
     }
 
     /// Judges a participant's last output; `None` if it was taken out. Beside the record the answers, and what it scored wrongly, if it is
@@ -187,7 +173,7 @@ impl InterleavedSet<'_> {
         let (mut judgement, surfaces) = match judged {
             Ok(judged) => judged,
             Err(error) if self.options.lenient => {
-                self.take_out(participant, Refusal::because(error.to_string()));
+                self.take_out(participant, Refusal { reason: error.to_string(), ..Refusal::default() });
                 return Ok(None);
             }
             Err(error) => return Err(error.into()),
@@ -200,7 +186,7 @@ impl InterleavedSet<'_> {
             invalid = of_hits.and(of_surfaces).err();
             // What a control gets wrong it gets wrong by design.
             judgement.wrong_rays_mut().clear();
-        } else if let Some(request) = self.participants[participant].request.as_ref().filter(|_| self.options.timed) {
+        } else if let (Some(request), Some(_)) = (&self.participants[participant].request, self.options.sampling) {
             let label = records::request_record(request).label();
             // A study asks for one tracer at several.
             let at = request
@@ -208,7 +194,7 @@ impl InterleavedSet<'_> {
                 .map_or_else(String::new, |of| format!(" at frame {}x{}, faces {}", of.frame[0], of.frame[1], of.face));
             self.progress.say(&format!("  {}: {label}{at} done", rays.set.name));
         }
-        let (times, trace_to) = (records::times(timings, believed), session.trace_to());
+        let (times, trace_to) = (records::times(timings, believed), session.trace_to);
         let verdicts = (judgement, surfaces);
         let record = records::trace_record(rays, times, &hits, &counters, trace_memory, trace_to, verdicts);
         Ok(Some((record, Observations { hits, sampling_model }, invalid)))

@@ -9,22 +9,17 @@ use super::tracing::Answered;
 use super::workload::{MeasureOptions, PreparedWorkload};
 use super::{RunError, load, records};
 use crate::plan::{Plan, TracerRequest};
-use crate::results::InterleavedSetRecord;
+use crate::results::{InterleavedSetRecord, TraceRecord};
 
 /// One interleaved set.
 pub(crate) struct Trial {
-    /// The samples of every one who took part, milliseconds.
-    pub samples_ms: Vec<Vec<f64>>,
-    /// Why they are invalid.
-    pub invalid: Option<String>,
+    /// Of every one who took part.
+    pub traces: Vec<TraceRecord>,
     pub interleaved_set: InterleavedSetRecord,
 }
 
 /// Measures the plan's first tracer on its first ray set in its first scene in so many interleaved sets against itself: `repeats` says how
 /// often each one who takes part traces in a sample.
-///
-/// # Errors
-/// [`RunError`] as its variants say.
 pub(crate) fn against_itself(
     plan: &Plan,
     repeats: &[usize],
@@ -55,14 +50,10 @@ pub(crate) fn against_itself(
         }
         let traces = outcomes.into_iter().skip(Control::ALL.len()).collect::<Result<Vec<_>, _>>();
         let traces = traces.map_err(|refusal| nothing(&format!("{}: {}", request.name(), refusal.reason)))?;
-        let (Some(first), Some(record)) = (traces.first(), record) else { return Err(nothing("nothing was timed")) };
-        let rounds = record.orders.len();
+        let interleaved_set = record.ok_or_else(|| nothing("nothing was timed"))?;
+        let rounds = interleaved_set.orders.len();
         context.progress.say(&format!("  interleaved set {} of {interleaved_sets}: {rounds} rounds", turn + 1));
-        trials.push(Trial {
-            invalid: first.times.invalid.clone(),
-            samples_ms: traces.iter().map(|trace| trace.times.samples_ms.clone()).collect(),
-            interleaved_set: record,
-        });
+        trials.push(Trial { traces, interleaved_set });
     }
     Ok(trials)
 }
@@ -80,9 +71,6 @@ fn nothing(what: &str) -> RunError {
 
 /// The plan's first tracer on rays of so many seeds in turn: in every round fresh ones, which were not traced for as many rounds as there
 /// are seeds, then at once the same again. Times of both by round, milliseconds.
-///
-/// # Errors
-/// [`RunError`] as its variants say.
 pub(crate) fn fresh_and_repeated(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<[Vec<f64>; 2], RunError> {
     let of_seed = |seed: u64| Ok(first(&Plan { seed: plan.seed + seed, ..plan.clone() }, context)?.1.session);
     let sets = (0..seeds.max(1)).map(of_seed).collect::<Result<Vec<_>, RunError>>()?;

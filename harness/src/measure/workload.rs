@@ -15,12 +15,10 @@ use crate::results::{InterleavedSetRecord, Row, SampleSchedule, SceneRecord, Ski
 /// How much is done for every configuration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeasureOptions {
-    /// How long sampling goes on.
-    pub sampling: SampleSchedule,
+    /// How long times are sampled; without it everything is done once.
+    pub sampling: Option<SampleSchedule>,
     /// Seed of the orders.
     pub seed: u64,
-    /// Whether times are taken: else everything is done once.
-    pub timed: bool,
     /// Whether builds are timed where traces are: else everything is built once.
     pub builds_timed: bool,
     /// Whether what is timed is not builds but refits to vertices that stand still: what a refit does is the same however far they moved.
@@ -36,14 +34,13 @@ pub(crate) struct MeasureOptions {
 impl MeasureOptions {
     /// Everything, with times taken as a plan says.
     pub fn timed(plan: &Plan) -> Self {
-        Self { sampling: plan.preset.sampling, seed: plan.seed, timed: true, ..Self::untimed() }
+        Self { sampling: Some(plan.preset.sampling), seed: plan.seed, ..Self::untimed() }
     }
 
     /// Everything once.
     pub const fn untimed() -> Self {
-        let (sampling, refitted) = (SampleSchedule::rounds(0), false);
         let (builds_timed, validated, counted) = (true, true, true);
-        Self { sampling, seed: 0, timed: false, builds_timed, refitted, validated, counted, lenient: false }
+        Self { sampling: None, seed: 0, builds_timed, refitted: false, validated, counted, lenient: false }
     }
 }
 
@@ -69,6 +66,9 @@ pub(crate) struct Observations {
 /// What a study wants to know of the answers to a ray set that records do not tell: by request, `None` for one without.
 pub(crate) type Hook<'a> = &'a dyn Fn(&Session, &PreparedRays, &[Option<Observations>]) -> Result<Value, RunError>;
 
+/// Loads a place.
+pub(crate) type Prepare<'a> = Box<dyn FnOnce() -> Result<PreparedWorkload, RunError> + 'a>;
+
 /// What is to be measured in one place.
 pub(crate) struct Workload<'a> {
     /// Its place in the plan, which names its files.
@@ -76,7 +76,7 @@ pub(crate) struct Workload<'a> {
     /// Hash of its scene, where it is known before: interleaved sets in another one are not taken from the journal.
     pub scene_sha256: Option<&'a str>,
     /// Loads it, if it must be.
-    pub prepare: &'a dyn Fn() -> Result<PreparedWorkload, RunError>,
+    pub prepare: Prepare<'a>,
     /// The configurations.
     pub requests: &'a [TracerRequest],
     pub options: MeasureOptions,
@@ -84,7 +84,7 @@ pub(crate) struct Workload<'a> {
 }
 
 /// Why a configuration could not be measured.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Refusal {
     pub reason: String,
     /// The device is too small.

@@ -10,7 +10,7 @@ use crate::machine;
 use crate::measure::{self, Context, RunError, Trial};
 use crate::plan::Plan;
 use crate::rays::sampling::Stream;
-use crate::results::{Answer, Caveat, Paired, Provenance};
+use crate::results::{Answer, Paired, Provenance};
 
 /// Traces of a sample, so that what is slower by a few percent is a whole number of them.
 pub const REPEATS: usize = 20;
@@ -55,41 +55,33 @@ pub struct ClockRecord {
 #[serde(rename_all = "snake_case")]
 pub enum ClockFound {
     /// Of interleaved sets against itself.
-    InterleavedSets(InterleavedSetsFound),
+    InterleavedSets {
+        /// Interleaved sets.
+        count: usize,
+        /// Rounds of the shortest and of the longest interleaved set.
+        rounds: [usize; 2],
+        /// Threads of another job beside.
+        load_threads: usize,
+        /// How much more the slowed one has to do, percent.
+        slowed_by_percent: f64,
+        /// What was said of the equal ones.
+        equal: Tally,
+        /// What was said of the slowed one beside the first.
+        slowed: Tally,
+    },
     /// Of fresh rays beside repeated ones.
-    FreshRays(FreshFound),
-}
-
-/// What came of interleaved sets against itself.
-#[derive(Debug, Serialize)]
-pub struct InterleavedSetsFound {
-    /// Interleaved sets.
-    pub count: usize,
-    /// Rounds of the shortest and of the longest interleaved set.
-    pub rounds: [usize; 2],
-    /// Threads of another job beside.
-    pub load_threads: usize,
-    /// How much more the slowed one has to do, percent.
-    pub slowed_by_percent: f64,
-    /// What was said of the equal ones.
-    pub equal: Tally,
-    /// What was said of the slowed one beside the first.
-    pub slowed: Tally,
-}
-
-/// What came of fresh rays beside repeated ones.
-#[derive(Debug, Serialize)]
-pub struct FreshFound {
-    /// Seeds that took turns.
-    pub seeds: u64,
-    /// Rounds.
-    pub rounds: usize,
-    /// How many times as long fresh rays take, with the interval that covers it.
-    pub fresh_over_repeated: Option<f64>,
-    /// Its interval.
-    pub interval: Option<[f64; 2]>,
-    /// What is said of it.
-    pub said: String,
+    FreshRays {
+        /// Seeds that took turns.
+        seeds: u64,
+        /// Rounds.
+        rounds: usize,
+        /// How many times as long fresh rays take, with the interval that covers it.
+        fresh_over_repeated: Option<f64>,
+        /// Its interval.
+        interval: Option<[f64; 2]>,
+        /// What is said of it.
+        said: String,
+    },
 }
 
 /// How often what was said.
@@ -113,18 +105,16 @@ impl Tally {
             Answer::Longer => self.longer += 1,
             Answer::Shorter => self.shorter += 1,
             Answer::Same => self.same += 1,
-            Answer::Undecided(caveat) => self.caveat(&caveat),
+            Answer::Undecided(caveat) => {
+                let reason = caveat.to_string();
+                self.undecided += 1;
+                match self.reasons.iter_mut().find(|(known, _)| *known == reason) {
+                    Some((_, count)) => *count += 1,
+                    None => self.reasons.push((reason, 1)),
+                }
+            }
         }
         self
-    }
-
-    fn caveat(&mut self, caveat: &Caveat) {
-        let reason = caveat.to_string();
-        self.undecided += 1;
-        match self.reasons.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, count)) => *count += 1,
-            None => self.reasons.push((reason, 1)),
-        }
     }
 
     fn describe(&self) -> String {
@@ -147,22 +137,23 @@ pub fn execute(plan: &Plan, tried: ClockTrial, context: &Context<'_>) -> Result<
     let [equal, slowed] = [1, 2].map(|lane| {
         let answer = |trial: &Trial| {
             let drift = trial.interleaved_set.drift.then(|| trial.interleaved_set.work.clone());
-            let (one, other) = (&trial.samples_ms[lane], &trial.samples_ms[0]);
-            Paired::in_interleaved_set(one, other, drift, trial.invalid.clone()).answer(MARGIN)
+            let [one, other] = [lane, 0].map(|lane| &trial.traces[lane].times);
+            let invalid = other.invalid.clone();
+            Paired::in_interleaved_set(&one.samples_ms, &other.samples_ms, drift, invalid).answer(MARGIN)
         };
         trials.iter().map(answer).fold(Tally::default(), Tally::add)
     });
     let rounds = |pick: fn(usize, usize) -> usize| {
         trials.iter().map(|trial| trial.interleaved_set.orders.len()).reduce(pick).unwrap_or(0)
     };
-    Ok(ClockFound::InterleavedSets(InterleavedSetsFound {
+    Ok(ClockFound::InterleavedSets {
         count: trials.len(),
         rounds: [rounds(usize::min), rounds(usize::max)],
         load_threads: tried.load,
         slowed_by_percent: (tried.slowed as f64 / REPEATS as f64 - 1.0) * 100.0,
         equal,
         slowed,
-    }))
+    })
 }
 
 /// The times of configurations that are all the same, one line a round, in the order in which they were sampled.
@@ -177,9 +168,9 @@ pub fn record(plan: &Plan, kind: &str, load: usize, context: &Context<'_>) -> Re
         let kernel = trial.interleaved_set.kernels.first().map_or(&[][..], |kernel| &kernel.samples_ms);
         for (round, order) in trial.interleaved_set.orders.iter().enumerate() {
             let _ = write!(text, "{kind},{:.4}", kernel.get(round).copied().unwrap_or_default());
-            let slots = order.iter().filter_map(|lane| trial.samples_ms.get((*lane as usize).checked_sub(first)?));
-            for samples in slots {
-                let _ = write!(text, ",{:.4}", samples[round]);
+            let slots = order.iter().filter_map(|lane| trial.traces.get((*lane as usize).checked_sub(first)?));
+            for trace in slots {
+                let _ = write!(text, ",{:.4}", trace.times.samples_ms[round]);
             }
             text.push('\n');
         }
@@ -200,13 +191,9 @@ pub fn repeats(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<ClockFo
         Answer::Same => "the same".to_owned(),
         Answer::Undecided(caveat) => format!("undecided: {caveat}"),
     };
-    Ok(ClockFound::FreshRays(FreshFound {
-        seeds,
-        rounds: fresh.len(),
-        fresh_over_repeated: found.ratio.as_ref().map(|ratio| ratio.value),
-        interval: found.ratio.map(|ratio| ratio.interval),
-        said,
-    }))
+    let (rounds, fresh_over_repeated) = (fresh.len(), found.ratio.as_ref().map(|ratio| ratio.value));
+    let interval = found.ratio.map(|ratio| ratio.interval);
+    Ok(ClockFound::FreshRays { seeds, rounds, fresh_over_repeated, interval, said })
 }
 
 /// Configurations of a recording.
@@ -232,15 +219,14 @@ impl ClockRecord {
     pub fn text(&self) -> String {
         let (tracer, rays) = (&self.tracer, &self.rays);
         match &self.found {
-            ClockFound::InterleavedSets(found) => {
-                let InterleavedSetsFound { count, rounds: [least, most], load_threads, slowed_by_percent, .. } = found;
-                let [equal, slowed] = [&found.equal, &found.slowed].map(Tally::describe);
+            ClockFound::InterleavedSets { count, rounds, load_threads, slowed_by_percent, equal, slowed } => {
+                let ([least, most], [equal, slowed]) = (rounds, [equal, slowed].map(Tally::describe));
                 format!(
                     "{tracer}: {count} interleaved sets of {least} to {most} rounds, {load_threads} threads of another job beside\n  \
                      equal: {equal}\n  slowed by {slowed_by_percent:.1} %: {slowed}\n"
                 )
             }
-            ClockFound::FreshRays(FreshFound { seeds, rounds, fresh_over_repeated, interval, said }) => {
+            ClockFound::FreshRays { seeds, rounds, fresh_over_repeated, interval, said } => {
                 let ratio = fresh_over_repeated.zip(*interval).map_or_else(String::new, |(value, [low, high])| {
                     format!("{value:.3} times as long [{low:.3}, {high:.3}], ")
                 });

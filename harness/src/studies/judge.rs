@@ -1,6 +1,5 @@
 //! Answers of a program that is no tracer of this suite: judged as every tracer's are, beside the same controls.
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -36,12 +35,11 @@ pub(crate) fn execute(
     let (forward, up) = (Vec3::NEG_Z, Vec3::Y);
     let nowhere =
         Viewpoint { eye: Vec3::ZERO, forward, up, vertical_fov: 1.0, near: 0.1, far: 1.0, frame: [1; 2], face: 1 };
-    let session = Session::of_answered(truth, nowhere, set, (rays, Arc::new(answers)), eye);
-    let session = Cell::new(Some(session.keeping_wrong_rays(wrong_rays)));
-    let prepare = || {
-        let session = session.take().ok_or_else(|| RunError::Nothing("rays were prepared twice".to_owned()))?;
-        Ok(PreparedWorkload { scene: scene.clone(), viewpoint: viewpoint.clone(), difficulty_level: None, session })
-    };
+    let rays = vec![PreparedRays::new(set, (rays, Arc::new(answers)), eye, None)];
+    let session = Session::with(Arc::new(truth), nowhere, None, rays, Vec::new());
+    let session = Session { wrong_rays_per_cause: wrong_rays, ..session };
+    let placed = PreparedWorkload { scene, viewpoint, difficulty_level: None, session };
+    let prepare = Box::new(|| Ok::<_, RunError>(placed));
     let hook = |session: &Session, rays: &PreparedRays, _: &[Option<Observations>]| {
         let judge = Judge { names_primitives: told.names_triangles, ..session.judge_of(rays, &[]) };
         let judgement = judge.judge(&told.hits).map_err(|error| RunError::Nothing(error.to_string()))?;
@@ -51,8 +49,8 @@ pub(crate) fn execute(
         measure::told(&TraceRecord { self_reported, ..trace })
     };
     let options = MeasureOptions::untimed();
-    let place = Workload { index: 0, scene_sha256: None, prepare: &prepare, requests: &[], options, hook: Some(&hook) };
-    let mut found = measure::measure(&place, context)?;
+    let place = Workload { index: 0, scene_sha256: None, prepare, requests: &[], options, hook: Some(&hook) };
+    let mut found = measure::measure(place, context)?;
     let traces = found.take_hooked()?;
     let oracle = found.controls.first().cloned().ok_or_else(|| RunError::Nothing("no control was there".to_owned()))?;
     let (name, preset, residency) = (name.to_owned(), "published".to_owned(), "host".to_owned());

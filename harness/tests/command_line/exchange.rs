@@ -1,7 +1,6 @@
 //! Rays as files and answers from elsewhere, as scripts use them.
 
 use std::fs;
-use std::sync::Arc;
 
 use tracebench_api::{Geometry, Hit, Preset, TracerError};
 use tracebench_harness::exchange::{self, NO_TRIANGLE, SavedRays, npy};
@@ -31,13 +30,13 @@ fn set(bench: &Bench, name: &str) -> (SavedRays, Vec<Answer>) {
 
 /// What a tracer on the host answers to a set.
 fn traced(bench: &Bench, name: &str) -> Vec<Hit> {
-    let (SavedRays { manifest, rays }, answers) = set(bench, name);
+    let (SavedRays { manifest, rays }, _) = set(bench, name);
     let scene = exchange::scene(&bench.path("set").join(name), &manifest).unwrap();
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, None).unwrap();
     let viewpoint = Pose::parse("0,1,0:1,1,0").unwrap().viewpoint(&geometry, [16, 16], 16);
     let truth = Truth::new(&geometry, &scene.sha256);
     let given = RaySet::given("given", manifest.query);
-    let session = Session::of_answered(truth, viewpoint, given, (rays, Arc::new(answers)), None);
+    let session = Session::of_rays(truth, viewpoint, given, rays.to_vec(), None).unwrap();
     let registration = TRACERS.iter().find(|tracer| tracer.name() == "bvh-cpu").unwrap();
     let device = Err(TracerError::Unavailable("none is needed".to_owned()));
     let mut config =

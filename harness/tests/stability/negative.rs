@@ -50,7 +50,7 @@ fn built(session: &Session) -> TracerConfig {
     let description = registration.describe();
     let parameters = Parameters::preset(&description.parameters, Preset::Published);
     let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
-    let mut config = TracerConfig::create(description, parameters, || registration.create(&device)).unwrap();
+    let mut config = TracerConfig::ready(description, parameters, registration.create(&device).unwrap());
     session.sample_build(&mut config).unwrap();
     config
 }
@@ -248,7 +248,7 @@ fn a_case_that_shows_nothing_is_noticed() {
 fn needles_are_lost_on_edges() {
     let case = find("needles").unwrap();
     let setup = case.setup(8192.0);
-    let session = prepare(case, &setup, None).unwrap().keeping_wrong_rays(usize::MAX);
+    let session = Session { wrong_rays_per_cause: usize::MAX, ..prepare(case, &setup, None).unwrap() };
     let config = built(&session);
     let rays = &session.rays[0];
     let mut hits = session.hit_buffer(&config, rays).unwrap();

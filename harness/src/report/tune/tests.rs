@@ -46,11 +46,8 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
                     .map(|index| {
                         let trace =
                             run_of(0.01 + 0.05 * index.abs_diff(best) as f64).rows.remove(0).traces.remove(place);
-                        let judged = Judged {
-                            hits_sha256: format!("{index:064x}"),
-                            statuses: BTreeMap::from([("hit".to_owned(), fixture::COUNT)]),
-                            judgement: trace.judgement,
-                        };
+                        let statuses = BTreeMap::from([("hit".to_owned(), fixture::COUNT)]);
+                        let judged = Judged { hits_sha256: format!("{index:064x}"), statuses, ..trace };
                         ValueTuned { value: values[index].to_owned(), judged: Some(judged), skipped: None }
                     })
                     .collect(),
@@ -71,7 +68,6 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
         control_names: Control::names(),
         seed: 1,
         preset: "quick".to_owned(),
-        ray_parameters: BTreeMap::new(),
         tracer: sample.rows[0].tracer.clone(),
         axis,
         rule: Rule::Footprint,
@@ -109,17 +105,13 @@ fn record(tuning: &Tuning) -> Record {
                 one.viewpoint = view.viewpoint.clone();
                 one.tracer.parameters = point.parameters.clone();
                 one.traces.clear();
-                for (set, sample) in view.sets.iter().zip(&row.rows[0].traces) {
+                for set in &view.sets {
                     let value = &set.values[index];
                     if let Some(reason) = &value.skipped {
                         point.skipped.insert(place_name(&scene.scene, &view.viewpoint, at), reason.clone());
                     }
                     let Some(judged) = &value.judged else { continue };
-                    let mut trace = sample.clone();
-                    (trace.rays, trace.rays_sha256) = (set.rays.clone(), set.rays_sha256.clone());
-                    (trace.hits_sha256, trace.statuses) = (judged.hits_sha256.clone(), judged.statuses.clone());
-                    trace.judgement = judged.judgement.clone();
-                    one.traces.push(trace);
+                    one.traces.push(judged.clone());
                 }
                 rows.push(one);
             }
@@ -135,7 +127,6 @@ fn record(tuning: &Tuning) -> Record {
         control_names: tuning.control_names.clone(),
         seed: tuning.seed,
         preset: tuning.preset.clone(),
-        ray_parameters: tuning.ray_parameters.clone(),
         sweep: Some(SweepRecord { tracer: tuning.tracer.name.clone(), grid: false, axes, points }),
         tuning: Some(TuningRecord {
             tracer: tuning.tracer.clone(),

@@ -25,7 +25,7 @@ use crate::render::painted::Canvas;
 use crate::results::{AttackRecord, PoseRecord, Record, SearchRecord, ShrunkRecord, Skipped};
 use crate::studies::pareto::pictures::keep;
 use poses::Poses;
-use search::{Asked, Trial, Trials, climbs};
+use search::{Trial, Trials, climbs};
 use shrink::{Shrinker, Shrunk};
 
 /// Width and height of the image of a trial where nothing else is said: 2,048 pixels.
@@ -172,20 +172,19 @@ impl Search<'_> {
 
     /// All trials: those of the journal, and further ones, each of which is kept before the next begins.
     fn trials(&self, name: &str, begun: Instant) -> Result<Trials, Stopped> {
-        let AttackOptions { rule, trials: wanted, budget, .. } = *self.options;
+        let AttackOptions { trials: wanted, budget, .. } = *self.options;
         let mut trials: Trials = self.context.journal.read(name)?.unwrap_or_default();
-        let config = self.context.config(self.tracer).map_err(|error| Stopped::Skipped(true, error.to_string()))?;
-        let mut asked = Asked { plan: self.plan, set: self.set, rule, poses: self.poses, config };
+        let mut config = self.context.config(self.tracer).map_err(|error| Stopped::Skipped(true, error.to_string()))?;
         let what = format!("attack {}, {}", self.label, self.set.name);
         let bar = self.context.progress.bar(&what, 2 * u64::from(wanted));
         while !trials.is_done {
             let count = trials.searched.len();
             if trials.random.len() < count {
-                trials.random.push(asked.random(trials.random.len())?);
+                trials.random.push(self.random(&mut config, trials.random.len())?);
             } else if count >= wanted as usize || budget.is_some_and(|budget| begun.elapsed() >= budget) {
                 trials.is_done = true;
             } else {
-                trials.searched.push(asked.next(&trials.searched)?);
+                trials.searched.push(self.next(&mut config, &trials.searched)?);
             }
             bar.set_position((count + trials.random.len()) as u64);
             self.context.journal.keep(name, &trials)?;
@@ -240,9 +239,9 @@ impl Search<'_> {
         let below = format!("{FOLDER}/{name}");
         let folder = OutputFolder::open(&results.path().join(&below)).map_err(ExchangeError::from)?;
         let scene = exchange::write_scene(&folder, &small.mesh, &name)?;
-        let Viewpoint { frame: [width, height], face, .. } = *session.viewpoint();
+        let Viewpoint { frame: [width, height], face, .. } = session.viewpoint;
         let (known, rays) = ((small.rays.as_slice(), small.answers.as_slice()), small.rays.len() as u64);
-        let viewpoint = records::viewpoint_of(&pose.viewpoint, session.viewpoint(), [width, height], pose.time_s);
+        let viewpoint = records::viewpoint_of(&pose.viewpoint, &session.viewpoint, [width, height], pose.time_s);
         let scene = records::scene_record(&scene);
         let triangles = scene.triangles - shrink::MARKERS;
         let set = Manifest::new(self.set.name, self.set.query, known, scene, Some(viewpoint), self.plan.seed);

@@ -6,14 +6,12 @@ use std::cmp::Ordering;
 use serde::{Deserialize, Serialize};
 use tracebench_api::{Hit, TracerError};
 
-use super::Stopped;
-use super::poses::{Candidate, Poses};
-use crate::judge::Rule;
+use super::poses::Candidate;
+use super::{Search, Stopped};
 use crate::measure::session::{PreparedRays, Session, SessionError};
 use crate::measure::{self, TracerConfig};
 use crate::plan::Plan;
 use crate::progress::Progress;
-use crate::rays::RaySet;
 use crate::rays::sampling::Stream;
 use crate::truth::Cache;
 
@@ -113,39 +111,30 @@ pub(super) fn climbs(trials: &[Trial]) -> Vec<Trial> {
     replayed(trials).into_iter().filter_map(|climb| climb.worst).collect()
 }
 
-/// A tracer that is asked.
-pub(super) struct Asked<'a> {
-    pub plan: &'a Plan,
-    pub set: &'a RaySet,
-    pub rule: Rule,
-    pub poses: &'a Poses<'a>,
-    pub config: TracerConfig,
-}
-
-impl Asked<'_> {
+impl Search<'_> {
     /// The trial that follows others.
-    pub(super) fn next(&mut self, trials: &[Trial]) -> Result<Trial, Stopped> {
+    pub(super) fn next(&self, config: &mut TracerConfig, trials: &[Trial]) -> Result<Trial, Stopped> {
         let mut stream = Stream::new(self.plan.seed, SEARCH_TAG, trials.len() as u64);
         if let Some(Climb { drawn: DRAWN, worst: Some(worst), step, .. }) = replayed(trials).pop() {
             for _ in 0..NEAR_DRAWS {
                 let candidate = self.poses.near(&worst.candidate, step, &mut stream)?;
-                if let Some(trial) = self.attempt(candidate)? {
+                if let Some(trial) = self.attempt(config, candidate)? {
                     return Ok(trial);
                 }
             }
         }
-        self.any(stream)
+        self.any(config, stream)
     }
 
     /// The random trial of a number.
-    pub(super) fn random(&mut self, number: usize) -> Result<Trial, Stopped> {
-        self.any(Stream::new(self.plan.seed, RANDOM_TAG, number as u64))
+    pub(super) fn random(&self, config: &mut TracerConfig, number: usize) -> Result<Trial, Stopped> {
+        self.any(config, Stream::new(self.plan.seed, RANDOM_TAG, number as u64))
     }
 
-    fn any(&mut self, mut stream: Stream) -> Result<Trial, Stopped> {
+    fn any(&self, config: &mut TracerConfig, mut stream: Stream) -> Result<Trial, Stopped> {
         for _ in 0..ANY_DRAWS {
             let candidate = self.poses.any(&mut stream)?;
-            if let Some(trial) = self.attempt(candidate)? {
+            if let Some(trial) = self.attempt(config, candidate)? {
                 return Ok(trial);
             }
         }
@@ -157,17 +146,18 @@ impl Asked<'_> {
     }
 
     /// Traces from a pose, if it is admissible.
-    fn attempt(&mut self, candidate: Candidate) -> Result<Option<Trial>, Stopped> {
+    fn attempt(&self, config: &mut TracerConfig, candidate: Candidate) -> Result<Option<Trial>, Stopped> {
         let Some(pose) = self.poses.admissible(&candidate)? else { return Ok(None) };
         let plan = Plan { ray_sets: vec![*self.set], ..self.poses.plan(&candidate, self.plan) };
         let seen = self.poses.truth(&candidate)?.seen_from(&plan, pose, &Cache::none(), &Progress::new(true))?;
         let session = &seen.session;
         let Some(rays) = session.rays.first().filter(|rays| self.poses.has_enough(rays)) else { return Ok(None) };
-        let refused = |reason: String| Stopped::Skipped(true, format!("at --view {}: {reason}", candidate.view()));
-        session.sample_build(&mut self.config).map_err(|error| refused(error.to_string()))?;
-        let hits = answers(session, &self.config, rays).map_err(|error| refused(error.to_string()))?;
-        let classes = session.classes(self.config.description.name, rays, self.rule, &hits);
-        let classes = classes.map_err(|error: SessionError| refused(error.to_string()))?;
+        let mut ask = || -> Result<_, SessionError> {
+            session.sample_build(config)?;
+            session.classes(config.description.name, rays, self.options.rule, &answers(session, config, rays)?)
+        };
+        let refused = |error: SessionError| Stopped::Skipped(true, format!("at --view {}: {error}", candidate.view()));
+        let classes = ask().map_err(refused)?;
         let wrong = classes.iter().flatten().filter(|class| !class.is_right()).count() as u64;
         let judged = classes.iter().flatten().count() as u64;
         Ok(Some(Trial { candidate, wrong, judged }))
@@ -176,5 +166,5 @@ impl Asked<'_> {
 
 /// What a structure answers.
 pub(super) fn answers(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Result<Vec<Hit>, TracerError> {
-    measure::trace_once(config, &rays.buffer, session.trace_to(), session.gpu()).map(|traced| traced.hits)
+    measure::trace_once(config, &rays.buffer, session.trace_to, session.gpu()).map(|traced| traced.hits)
 }

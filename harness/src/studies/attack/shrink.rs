@@ -90,13 +90,8 @@ impl Shrinker<'_> {
     /// Whether any of some rays is wrong for a cause in the scene that the tracer has built last.
     fn fails(&self, truth: &Arc<Truth>, rays: &[Ray], cause: &str) -> Result<bool, RunError> {
         let set = RaySet::given(self.set.name, self.set.query);
-        let session = Session::of_rays(
-            Arc::clone(truth),
-            *self.session.viewpoint(),
-            set,
-            rays.to_vec(),
-            self.session.gpu_handle(),
-        )?;
+        let Session { viewpoint, gpu, .. } = self.session;
+        let session = Session::of_rays(Arc::clone(truth), *viewpoint, set, rays.to_vec(), gpu.clone())?;
         let rays = &session.rays[0];
         // A tracer that refuses a part of the scene is not wrong in it.
         let (Ok(hits), Ok(sampling_model)) =
@@ -112,9 +107,9 @@ impl Shrinker<'_> {
     /// The same in a scene of some triangles.
     fn fails_in(&mut self, triangles: &[u32], rays: &[Ray], cause: &str) -> Result<bool, RunError> {
         let Mesh { positions, triangles, triangle_materials, .. } = self.cut(triangles);
-        let gpu = self.session.gpu_handle();
+        let Session { viewpoint, gpu, .. } = self.session;
         let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.as_deref())?;
-        if self.config.build(&geometry, self.session.viewpoint(), gpu.as_deref()).is_err() {
+        if self.config.build(&geometry, viewpoint, gpu.as_deref()).is_err() {
             return Ok(false);
         }
         self.fails(&Arc::new(Truth::new(&geometry, "part").lightly_audited()), rays, cause)

@@ -17,34 +17,13 @@ use crate::measure::{self, Context, MeasureOptions, Observations, RunError, reco
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{Explained, ExplanationRecord, GIVEN_UP, Record, RemedyRecord, SceneExplained, UNEXPLAINED};
 
-/// Why a ray is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cause<'a> {
-    /// What a step takes away, or that its search was given up on the last one.
-    Known(&'a str),
-    /// No step takes it away.
-    Left,
-}
-
-/// The cause of a ray's error from whether it was wrong on each step: the remedy after the last step on which it was; none
-/// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last step.
-fn cause<'a>(remedies: &'a [RemedyRecord], wrong: &[bool], given_up: bool) -> Option<Cause<'a>> {
+/// The cause of a ray's error from whether it was wrong on each step: the remedy after the last step on which it was; [`UNEXPLAINED`] if no
+/// step takes it away, and none for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last
+/// step.
+fn cause<'a>(remedies: &'a [RemedyRecord], wrong: &[bool], given_up: bool) -> Option<&'a str> {
     let last = wrong.iter().rposition(|wrong| *wrong)?;
-    Some(match remedies.get(last) {
-        Some(remedy) => Cause::Known(&remedy.cause),
-        None if given_up => Cause::Known(GIVEN_UP),
-        None => Cause::Left,
-    })
-}
-
-/// What was found of a ray set, by step.
-struct RemedyOutcomes {
-    /// Whether each ray is wrong.
-    wrong: Vec<Vec<bool>>,
-    /// The rays' classes on the first step.
-    classes: Vec<Class>,
-    /// Whether each ray's search was given up on the last step.
-    given_up: Vec<bool>,
+    let left = if given_up { GIVEN_UP } else { UNEXPLAINED };
+    Some(remedies.get(last).map_or(left, |remedy| remedy.cause.as_str()))
 }
 
 /// Explains every wrong ray of the plan's tracer.
@@ -84,12 +63,7 @@ pub fn execute(
                     None => return Ok(Value::Null),
                 }
             }
-            let found = look(session, request.name(), rays, &steps)?;
-            let judge = |of: &[usize]| match (judged, steps.last()) {
-                (true, Some(last)) => session.causes(request.name(), rays, Rule::Tight, last, of),
-                _ => Ok([(UNEXPLAINED.to_owned(), of.len() as u64)].into()),
-            };
-            measure::told(&explained(remedies, rays, &found, judge)?)
+            measure::told(&explained(session, request.name(), (remedies, judged), rays, &steps)?)
         };
         let options = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
         let mut found = measure::measure_scene(index, plan, scene, &requests, options, Some(&hook), context)?;
@@ -132,66 +106,53 @@ fn steps(request: &TracerRequest, remedies: &[RemedyRecord]) -> Result<Vec<Trace
     Ok(steps)
 }
 
-/// Notes what is wrong under `tight` on every step.
-fn look(
+/// Counts what is wrong under `tight` on every step. `judged`: of rays that no step explains the judge tells the causes.
+fn explained(
     session: &Session,
     tracer: &str,
+    (remedies, judged): (&[RemedyRecord], bool),
     rays: &PreparedRays,
     steps: &[&Observations],
-) -> Result<RemedyOutcomes, RunError> {
-    let mut found = RemedyOutcomes { wrong: Vec::new(), classes: Vec::new(), given_up: Vec::new() };
-    for Observations { hits, .. } in steps {
-        let classes = session.classes(tracer, rays, Rule::Tight, hits)?;
-        found.wrong.push(classes.iter().map(|class| class.is_some_and(|class| !class.is_right())).collect());
-        found.given_up = hits.iter().map(|hit| hit.status == Status::StepCap as u32).collect();
-        if found.classes.is_empty() {
-            found.classes = classes.into_iter().map(|class| class.unwrap_or(Class::TrueMiss)).collect();
-        }
-    }
-    Ok(found)
-}
-
-/// Counts what was found; `judge` tells the causes of rays that no step explains.
-fn explained<E>(
-    remedies: &[RemedyRecord],
-    rays: &PreparedRays,
-    found: &RemedyOutcomes,
-    judge: impl Fn(&[usize]) -> Result<BTreeMap<String, u64>, E>,
-) -> Result<Explained, E> {
+) -> Result<Explained, RunError> {
+    let classes = |told: &&Observations| session.classes(tracer, rays, Rule::Tight, &told.hits);
+    let classes = steps.iter().map(classes).collect::<Result<Vec<_>, _>>()?;
+    let is_wrong = |class: &Option<Class>| class.is_some_and(|class| !class.is_right());
+    let (first, last) = (&classes[0], steps[steps.len() - 1]);
     let mut causes: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
-    let (mut of_step, mut on_the_way, mut unexplained) = (vec![0_u64; found.wrong.len()], 0, 0);
+    let (mut on_the_way, mut unexplained) = (0, 0);
     // By whether they were wrong at first, then class.
     let mut left: BTreeMap<(bool, Class), Vec<usize>> = BTreeMap::new();
-    for (ray, class) in found.classes.iter().enumerate() {
-        let of_ray: Vec<bool> = found.wrong.iter().map(|step| step[ray]).collect();
-        for (count, wrong) in of_step.iter_mut().zip(&of_ray) {
-            *count += u64::from(*wrong);
-        }
-        let Some(cause) = cause(remedies, &of_ray, found.given_up[ray]) else { continue };
-        on_the_way += u64::from(!of_ray[0]);
-        match cause {
-            Cause::Left => left.entry((of_ray[0], *class)).or_default().push(ray),
-            Cause::Known(cause) if of_ray[0] => {
-                let class = class.name(rays.set.query).to_owned();
-                *causes.entry(class).or_default().entry(cause.to_owned()).or_default() += 1;
-            }
-            Cause::Known(_) => {}
+    for (ray, class) in first.iter().enumerate() {
+        let wrong: Vec<bool> = classes.iter().map(|step| is_wrong(&step[ray])).collect();
+        let given_up = last.hits[ray].status == Status::StepCap as u32;
+        let Some(cause) = cause(remedies, &wrong, given_up) else { continue };
+        let class = class.unwrap_or(Class::TrueMiss);
+        on_the_way += u64::from(!wrong[0]);
+        if cause == UNEXPLAINED {
+            left.entry((wrong[0], class)).or_default().push(ray);
+        } else if wrong[0] {
+            let class = class.name(rays.set.query).to_owned();
+            *causes.entry(class).or_default().entry(cause.to_owned()).or_default() += 1;
         }
     }
     for ((at_first, class), of) in left {
-        let judged = judge(&of)?;
-        unexplained += judged.get(UNEXPLAINED).copied().unwrap_or(0);
+        let told = match judged {
+            true => session.causes(tracer, rays, Rule::Tight, last, &of)?,
+            false => [(UNEXPLAINED.to_owned(), of.len() as u64)].into(),
+        };
+        unexplained += told.get(UNEXPLAINED).copied().unwrap_or(0);
         if at_first {
-            causes.entry(class.name(rays.set.query).to_owned()).or_default().extend(judged);
+            causes.entry(class.name(rays.set.query).to_owned()).or_default().extend(told);
         }
     }
+    let count_wrong = |step: &Vec<Option<Class>>| step.iter().filter(|class| is_wrong(class)).count() as u64;
     Ok(Explained {
         rays: rays.set.name.to_owned(),
         rays_sha256: rays.sha256.clone(),
         query: rays.set.query,
-        count: found.classes.len() as u64,
+        count: first.len() as u64,
         ambiguous_rays: rays.answers.iter().filter(|answer| answer.is_ambiguous()).count() as u64,
-        wrong_by_remedy: of_step,
+        wrong_by_remedy: classes.iter().map(count_wrong).collect(),
         wrong_on_the_way: on_the_way,
         unexplained,
         causes,

@@ -11,10 +11,10 @@ use super::{FramesRequest, SceneMeasured};
 use crate::judge::{Judge, Rule};
 use crate::machine;
 use crate::measure::controls::{Control, checked};
-use crate::measure::session::{PreparedRays, RayRequest, Session, SessionError, no_answers};
+use crate::measure::session::{PreparedRays, Session, SessionError, no_answers};
 use crate::measure::{self, Context, FrameWork, MovingFrames, RunError, Traced, Turn, records};
 use crate::plan::{Plan, TracerRequest};
-use crate::rays::RaySet;
+use crate::rays::{RayParameters, RayScene, RaySet};
 use crate::render::{Exposure, Image8, Stage, image_flicker, motion};
 use crate::results::{
     AnswersRow, FrameRow, FrameSeries, InterleavedSetRecord, MovingScene, ROUNDED_ORACLE, Skipped, TracerRecord,
@@ -266,24 +266,26 @@ impl FrameWork for Watch<'_> {
         let has_own = !is_rendered && (number == 0 || !self.request.fixed_rays);
         let moved = before.filter(|_| is_rendered && self.request.cut != Some(number as u32));
         let motion = moved.map(|Here { session: before, .. }| {
-            let before = (before.truth(), &Viewpoint { frame: plan.preset.ray_image, ..*before.viewpoint() });
+            let before = (&*before.truth, &Viewpoint { frame: plan.preset.ray_image, ..before.viewpoint });
             motion(before, (&truth, &pixels), plan.preset.ray_image)
         });
-        let request = RayRequest {
-            sets: if has_own { &plan.ray_sets } else { &[] },
-            image: plan.preset.ray_image,
-            seed: plan.seed,
-            parameters: &plan.ray_parameters,
-            path: scene.camera_path.as_ref(),
-            mirrors: &measure::mirrors(&scene.mesh),
-        };
+        let truth = Arc::new(truth);
         let mut session = if has_own {
-            Session::new(&scene.name, truth, viewpoint, request, gpu.clone(), context.cache, context.progress)?
+            let seen = RayScene {
+                truth: &truth,
+                viewpoint: &viewpoint,
+                path: scene.camera_path.as_ref(),
+                mirrors: &measure::mirrors(&scene.mesh),
+                image: plan.preset.ray_image,
+                seed: plan.seed,
+                parameters: &RayParameters::try_from(&plan.ray_parameters).map_err(TracerError::from)?,
+            };
+            let (name, truth, gpu) = (&scene.name, Arc::clone(&truth), gpu.clone());
+            Session::new(name, truth, &plan.ray_sets, &seen, gpu, context.cache, context.progress)?
         } else {
-            Session::with(Arc::new(truth), viewpoint, gpu.clone(), Vec::new(), Vec::new())
-        }
-        .tracing_to(plan.trace_to)
-        .keeping_wrong_rays(0);
+            Session::with(truth, viewpoint, gpu.clone(), Vec::new(), Vec::new())
+        };
+        (session.trace_to, session.wrong_rays_per_cause) = (plan.trace_to, 0);
         session.rays.iter_mut().for_each(|rays| rays.eye = Some(viewpoint.eye.as_dvec3()));
         for skipped in session.skipped.drain(..) {
             let reason = format!("frame {number}: {}", skipped.reason);
@@ -329,7 +331,7 @@ impl FrameWork for Watch<'_> {
 
 /// A frame as effects are rendered in it.
 fn studio<'s>(plan: &'s Plan, request: &'s FramesRequest, stage: &Arc<Stage>, session: &'s Session) -> Studio<'s> {
-    let (truth, viewpoint, gpu) = (session.truth(), session.viewpoint(), session.gpu());
+    let (truth, viewpoint, gpu) = (&*session.truth, &session.viewpoint, session.gpu());
     Studio { plan, request, stage: Arc::clone(stage), truth, viewpoint, gpu }
 }
 

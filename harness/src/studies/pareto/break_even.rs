@@ -6,8 +6,10 @@
 //! assumed about how times scatter. What is done once a frame comes to it: nothing where the geometry stands still, a refit or a build
 //! where it moves. Where the intervals of two methods overlap nobody can tell which is cheaper.
 
-use super::field::Amount;
+use itertools::Itertools as _;
 use tracebench_api::named;
+
+use super::field::Amount;
 
 /// How far beyond the measured numbers of rays costs are compared with one another, times.
 pub const BEYOND: f64 = 16.0;
@@ -161,14 +163,8 @@ pub fn break_even(one: &FrameCost, other: &FrameCost, caveat: Option<String>) ->
     let [least, most] = range(one, other);
     // Who is surely cheaper.
     let cheaper = |rays: f64| {
-        let (one, other) = (one.at(rays), other.at(rays));
-        if one.interval[1] < other.interval[0] {
-            Some(0)
-        } else if other.interval[1] < one.interval[0] {
-            Some(1)
-        } else {
-            None
-        }
+        let (one, other) = (one.at(rays).interval, other.at(rays).interval);
+        [(one, other), (other, one)].iter().position(|([_, most], [least, _])| most < least)
     };
     let (Some(below), Some(above)) = (cheaper(least), cheaper(most)) else {
         return BreakEven::Undecided("intervals overlap".to_owned());
@@ -220,22 +216,17 @@ pub fn stretches(costs: &[FrameCost], doubts: &[Option<String>]) -> Vec<Stretch>
         let at = costs.iter().enumerate().map(|(place, cost)| (cost.at(rays).value, place));
         at.min_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, place)| place)
     };
-    let mut stretches: Vec<Stretch> = Vec::new();
-    for index in 0..=STEPS {
-        let rays = least * (most / least).powf(f64::from(index) / f64::from(STEPS));
-        let Some(who) = cheapest(rays) else { break };
-        let Some(last) = stretches.last().map(|stretch| stretch.who) else {
-            stretches.push(Stretch { who, from: rays, overtakes: None });
-            continue;
-        };
-        if who != last {
-            let caveat = doubts[last].clone().or_else(|| doubts[who].clone());
-            let found = break_even(&costs[last], &costs[who], caveat);
-            let from = if let BreakEven::At { rays, .. } = found { rays } else { rays };
-            stretches.push(Stretch { who, from, overtakes: Some(found) });
-        }
-    }
-    stretches
+    let steps = (0..=STEPS).map(|index| least * (most / least).powf(f64::from(index) / f64::from(STEPS)));
+    let by_rays = steps.map_while(|rays| Some((cheapest(rays)?, rays))).dedup_by(|one, other| one.0 == other.0);
+    let changes: Vec<(usize, f64)> = by_rays.collect();
+    let first = changes.first().map(|&(who, from)| Stretch { who, from, overtakes: None });
+    let later = changes.windows(2).map(|pair| {
+        let [(last, _), (who, rays)] = [pair[0], pair[1]];
+        let caveat = doubts[last].clone().or_else(|| doubts[who].clone());
+        let found = break_even(&costs[last], &costs[who], caveat);
+        Stretch { who, from: found.at().map_or(rays, |(rays, ..)| rays), overtakes: Some(found) }
+    });
+    first.into_iter().chain(later).collect()
 }
 
 #[cfg(test)]

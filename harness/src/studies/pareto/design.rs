@@ -28,15 +28,6 @@ pub struct Axis {
     pub steps: Vec<String>,
 }
 
-/// A point with what is asked for it.
-#[derive(Clone)]
-pub struct Designed {
-    /// The tracer with the point's values and resolution.
-    pub request: TracerRequest,
-    /// As the record has it.
-    pub point: FrontPoint,
-}
-
 /// What may be changed of a tracer: the resolution where it matters, what its registration says is swept, then every other parameter that
 /// has values worth sweeping, in the order of its description. Launch settings are equal for all, and what its registration excludes is
 /// left out, as is what changes nothing beside the request's other values.
@@ -112,49 +103,44 @@ pub fn order(axes: &[Axis]) -> Vec<BTreeMap<String, String>> {
 
 /// Lists as one, an element of each in turn.
 fn in_turn<T>(lists: Vec<Vec<T>>) -> Vec<T> {
-    let mut lists: Vec<_> = lists.into_iter().map(Vec::into_iter).collect();
-    let mut joined = Vec::new();
-    loop {
-        let before = joined.len();
-        joined.extend(lists.iter_mut().filter_map(Iterator::next));
-        if joined.len() == before {
-            return joined;
-        }
-    }
+    let placed = lists.into_iter().flat_map(|list| list.into_iter().enumerate());
+    placed.sorted_by_key(|(place, _)| *place).map(|(_, each)| each).collect()
 }
 
-/// At most so many points for every tracer of some requests, each once; requests of one tracer share them.
+/// At most so many points for every tracer of some requests, each once; requests of one tracer share them. With each the tracer with the
+/// point's values and resolution.
 ///
 /// # Errors
 /// [`SweepError`] for a value that a parameter does not take, or edges that would be no whole pixels.
-pub fn points(requests: &[TracerRequest], preset: RunPreset, most: usize) -> Result<Vec<Designed>, SweepError> {
-    let mut points = Vec::new();
+pub fn points(
+    requests: &[TracerRequest],
+    preset: RunPreset,
+    most: usize,
+) -> Result<(Vec<FrontPoint>, Vec<TracerRequest>), SweepError> {
+    let (mut points, mut designed): (Vec<FrontPoint>, Vec<TracerRequest>) = Default::default();
     for name in requests.iter().map(TracerRequest::name).unique() {
         let own = requests.iter().filter(|request| request.name() == name);
         let lists = own.map(|request| {
             order(&axes(request, preset)).into_iter().map(|values| (request, values)).collect::<Vec<_>>()
         });
-        let mut given: Vec<Designed> = Vec::new();
+        let first = points.len();
         for (request, values) in in_turn(lists.collect()) {
-            if given.len() == most {
+            if points.len() == first + most {
                 break;
             }
             let (changed, Resolution { frame, face }) = with_values(request, preset, &values)?;
             let parameters = records::json_values(&changed.parameters);
-            let same = |Designed { point, .. }: &Designed| {
-                (&point.parameters, point.frame, point.face) == (&parameters, frame, face)
-            };
-            if given.iter().any(same) {
+            let same = |of: &FrontPoint| (&of.parameters, of.frame, of.face) == (&parameters, frame, face);
+            if points[first..].iter().any(same) {
                 continue;
             }
             let (tracer, preset) = (name.to_owned(), request.preset.name().to_owned());
-            let (order, skipped) = (given.len() as u32, BTreeMap::new());
-            let point = FrontPoint { tracer, preset, order, values, parameters, frame, face, skipped };
-            given.push(Designed { request: changed, point });
+            let (order, skipped) = ((points.len() - first) as u32, BTreeMap::new());
+            points.push(FrontPoint { tracer, preset, order, values, parameters, frame, face, skipped });
+            designed.push(changed);
         }
-        points.extend(given);
     }
-    Ok(points)
+    Ok((points, designed))
 }
 
 #[cfg(test)]
@@ -259,12 +245,13 @@ mod tests {
             .into_iter()
             .flat_map(|preset| TRACERS.iter().map(move |each| TracerRequest::of(each, preset)))
             .collect();
-        let few = points(&requests, preset(), 3).unwrap();
-        let many = points(&requests, preset(), 9).unwrap();
+        let (few, _) = points(&requests, preset(), 3).unwrap();
+        let (many, designed) = points(&requests, preset(), 9).unwrap();
+        let shown = |request: &TracerRequest| (request.name(), records::json_values(&request.parameters));
+        assert!(designed.iter().map(shown).eq(many.iter().map(|of| (of.tracer.as_str(), of.parameters.clone()))));
         for registration in TRACERS {
-            let of = |points: &[Designed]| -> Vec<FrontPoint> {
-                let own = points.iter().filter(|each| each.point.tracer == registration.name());
-                own.map(|each| each.point.clone()).collect()
+            let of = |points: &[FrontPoint]| -> Vec<FrontPoint> {
+                points.iter().filter(|point| point.tracer == registration.name()).cloned().collect()
             };
             let (few, many) = (of(&few), of(&many));
             assert!((1..=3).contains(&few.len()) && many.len() <= 9 && many.starts_with(&few), "{}", many.len());
@@ -285,6 +272,6 @@ mod tests {
                 assert!(first.iter().all(|point| point.values.len() == 1), "{}", registration.name());
             }
         }
-        assert!(many.iter().any(|each| each.point.face != preset().face));
+        assert!(many.iter().any(|point| point.face != preset().face));
     }
 }

@@ -270,13 +270,10 @@ fn controls<'a>(
     viewpoint: &ViewpointRecord,
     trace: &TraceRecord,
 ) -> Vec<(&'a Row, &'a TraceRecord)> {
-    let mut controls: Vec<(&Row, &TraceRecord)> = Vec::new();
-    for row in record.controls.iter().filter(|row| is_at(row, scene, viewpoint)) {
-        // Points that were tried alone have controls of their own; they score the same.
-        let known = controls.iter().any(|(other, _)| other.tracer.name == row.tracer.name);
-        controls.extend(row.traces.iter().find(|other| same_rays(other, trace) && !known).map(|found| (row, found)));
-    }
-    controls
+    let rows = record.controls.iter().filter(|row| is_at(row, scene, viewpoint));
+    let traced = rows.filter_map(|row| Some((row, row.traces.iter().find(|other| same_rays(other, trace))?)));
+    // Points that were tried alone have controls of their own; they score the same.
+    traced.unique_by(|(row, _)| row.tracer.name.clone()).collect()
 }
 
 impl<'a> Field<'a> {
@@ -387,19 +384,13 @@ impl<'a> Field<'a> {
 
     /// Budgets at which methods are matched: within each a third, two thirds, all of the tracers have a point.
     pub fn budgets(&self, cost: Cost) -> Vec<f64> {
-        let costs = |tracer: &str| -> Vec<f64> {
-            self.of_tracer(tracer).iter().filter_map(|entry| Some(self.cost(entry, cost)?.value)).collect()
+        let least = |tracer: &str| {
+            let entries = self.of_tracer(tracer);
+            entries.iter().filter_map(|entry| Some(self.cost(entry, cost)?.value)).min_by(f64::total_cmp)
         };
-        let least = |tracer: &str| costs(tracer).into_iter().min_by(f64::total_cmp);
-        let mut leasts: Vec<f64> = self.tracers().into_iter().filter_map(least).collect();
-        leasts.sort_by(f64::total_cmp);
-        let mut budgets: Vec<f64> = Vec::new();
-        for part in 1..=3 {
-            let place = (leasts.len() * part).div_ceil(3);
-            let budget = place.checked_sub(1).and_then(|place| leasts.get(place)).map(|least| rounded_up(*least));
-            budgets.extend(budget.filter(|budget| !budgets.contains(budget)));
-        }
-        budgets
+        let leasts: Vec<f64> = self.tracers().into_iter().filter_map(least).sorted_by(f64::total_cmp).collect();
+        let place = |part: usize| (leasts.len() * part).div_ceil(3).checked_sub(1);
+        (1..=3).filter_map(|part| Some(rounded_up(leasts[place(part)?]))).dedup().collect()
     }
 }
 

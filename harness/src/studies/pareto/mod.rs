@@ -19,7 +19,7 @@ use itertools::Itertools as _;
 use tracebench_api::Update;
 
 pub use break_even::{BEYOND, BreakEven, Fit, FrameCost, Motion, Stretch, break_even, stretches};
-pub use design::{Axis, Designed, axes, order, points};
+pub use design::{Axis, axes, order, points};
 pub use field::{Amount, By, Cost, Entry, Field, Wrong, bytes, fields, on_host};
 pub use front::{CostAndError, FrontStatus, front, front_statuses};
 pub use operating::{Aim, Check, LEVELS, best, check, chosen, farthest};
@@ -74,7 +74,8 @@ impl Default for Extent {
 /// Fronts that are ready to be measured.
 pub struct Pareto {
     plan: Plan,
-    points: Vec<Designed>,
+    /// A configuration for every point, in their order.
+    requests: Vec<TracerRequest>,
     section: ParetoRecord,
 }
 
@@ -84,19 +85,15 @@ impl Pareto {
     /// # Errors
     /// [`SweepError`] for a value that a parameter does not take.
     pub fn new(plan: &Plan, extent: &Extent) -> Result<Self, SweepError> {
-        let points = points(&plan.tracers, plan.preset, extent.max_points)?;
-        let section = ParetoRecord {
-            max_points: extent.max_points as u32,
-            rays_per_pixel: extent.rays_per_pixel.clone(),
-            points: points.iter().map(|each| each.point.clone()).collect(),
-            scenes: Vec::new(),
-        };
-        Ok(Self { plan: plan.clone(), points, section })
+        let (points, requests) = points(&plan.tracers, plan.preset, extent.max_points)?;
+        let (max_points, rays_per_pixel) = (extent.max_points as u32, extent.rays_per_pixel.clone());
+        let section = ParetoRecord { max_points, rays_per_pixel, points, scenes: Vec::new() };
+        Ok(Self { plan: plan.clone(), requests, section })
     }
 
     /// The number of points.
     pub fn size(&self) -> usize {
-        self.points.len()
+        self.requests.len()
     }
 
     /// Measures every point in every scene; what could not be is skipped with the reason.
@@ -131,7 +128,7 @@ impl Pareto {
         record: &mut Record,
         context: &Context<'_>,
     ) -> Result<FrontScene, RunError> {
-        let all: Vec<usize> = (0..self.points.len()).collect();
+        let all: Vec<usize> = (0..self.size()).collect();
         let found = self.measure(index, plan, &all, MeasureOptions::timed(plan), context)?;
         let mut told =
             FrontScene { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), ..Default::default() };
@@ -146,7 +143,7 @@ impl Pareto {
         if chosen.is_empty() {
             return Ok(told);
         }
-        context.progress.say(&format!("{} of {} points are chosen", chosen.len(), self.points.len()));
+        context.progress.say(&format!("{} of {} points are chosen", chosen.len(), self.size()));
         let checking = elsewhere(plan);
         match self.measure(index + 1, &checking, &chosen, MeasureOptions::untimed(), context) {
             Ok(found) => {
@@ -179,7 +176,7 @@ impl Pareto {
 
     /// Some points as they are asked for.
     fn requests(&self, points: &[usize]) -> Vec<TracerRequest> {
-        points.iter().map(|point| self.points[*point].request.clone()).collect()
+        points.iter().map(|point| self.requests[*point].clone()).collect()
     }
 
     /// Some points in a plan's only scene.
@@ -203,10 +200,7 @@ impl Pareto {
         record: &mut Record,
         context: &Context<'_>,
     ) -> Result<(), RunError> {
-        let can = |point: &usize| {
-            let registration = self.points[*point].request.registration;
-            registration.describe().serves(Update::Refit).is_ok()
-        };
+        let can = |point: &usize| self.requests[*point].registration.describe().serves(Update::Refit).is_ok();
         let points: Vec<usize> = points.iter().copied().filter(can).collect();
         if points.is_empty() {
             return Ok(());

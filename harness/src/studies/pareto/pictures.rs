@@ -1,8 +1,9 @@
 //! Pictures of what points on a front answer. They are traced once more, without times, and painted while their answers are there:
 //! records keep none. The pictures are files beside the record, each named by its hash.
 
+use itertools::Itertools as _;
 use serde_json::Value;
-use tracebench_api::{Hit, Query};
+use tracebench_api::Query;
 
 use super::field::{By, Cost, Field};
 use super::front::FrontStatus;
@@ -44,15 +45,13 @@ pub(super) fn paint(
     let keep = |painted: Painted| keep(&painted, results);
     let truth: Vec<Option<f64>> = rays.answers.iter().map(|answer| answer.hit.map(|hit| hit.t)).collect();
     let is_any = rays.set.query == Query::Any;
-    let ends = |least: f64, each: &f64| least.min(*each);
-    let nearest = truth.iter().flatten().fold(f64::INFINITY, ends);
-    let farthest = truth.iter().flatten().copied().fold(nearest, f64::max);
-    let range = if nearest.is_finite() { [nearest, farthest] } else { [0.0; 2] };
+    let range = truth.iter().flatten().copied().minmax_by(f64::total_cmp).into_option();
+    let range = range.map_or([0.0; 2], <[f64; 2]>::from);
     let seen = |t: &[Option<f64>]| match is_any {
         true => canvas.occlusion(&t.iter().map(Option::is_some).collect::<Vec<_>>()),
         false => canvas.distances(range, t),
     };
-    let greatest = session.truth().diagonal();
+    let greatest = session.truth.diagonal();
     let mut pictures = SetPictures {
         rays: rays.set.name.to_owned(),
         query: rays.set.query,
@@ -64,7 +63,7 @@ pub(super) fn paint(
     };
     for ((point, name), told) in points.iter().zip(names).zip(told) {
         let Some(Observations { hits, .. }) = told else { continue };
-        let t: Vec<Option<f64>> = hits.iter().map(answered).collect();
+        let t: Vec<Option<f64>> = hits.iter().map(|hit| hit.is_hit().then(|| f64::from(hit.t))).collect();
         let classes = session.classes(name, rays, Rule::Footprint, hits)?;
         pictures.points.push(PointPictures {
             point: *point,
@@ -74,10 +73,6 @@ pub(super) fn paint(
         });
     }
     measure::told(&pictures)
-}
-
-fn answered(hit: &Hit) -> Option<f64> {
-    hit.is_hit().then(|| f64::from(hit.t))
 }
 
 /// Writes what was painted beside the record, and gives its name.

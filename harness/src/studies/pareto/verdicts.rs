@@ -134,17 +134,14 @@ fn class_cost<'a>(
 
 /// What speaks against traces that were timed in different interleaved sets: the clock of any, or a machine that was faster in one.
 fn doubt_of(record: &Record, traces: &[(&Row, &TraceRecord)]) -> Option<String> {
-    if let Some(caveat) = traces.iter().find_map(|(_, trace)| doubt_of_times(record, &trace.times)) {
-        return Some(caveat);
-    }
-    for pair in traces.windows(2) {
-        let [(row, trace), (other, beside)] = [pair[0], pair[1]];
-        let paired = record.paired_on_host(&Timed::trace(row, trace), &Timed::trace(other, beside));
-        if let Some(caveat) = paired.caveat {
-            return Some(caveat.to_string());
-        }
-    }
-    None
+    let alone = traces.iter().find_map(|(_, trace)| doubt_of_times(record, &trace.times));
+    alone.or_else(|| {
+        traces.windows(2).find_map(|pair| {
+            let [(row, trace), (other, beside)] = [pair[0], pair[1]];
+            let paired = record.paired_on_host(&Timed::trace(row, trace), &Timed::trace(other, beside));
+            paired.caveat.map(|caveat| caveat.to_string())
+        })
+    })
 }
 
 /// What speaks against times by themselves.

@@ -3,10 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use itertools::Itertools as _;
+
 use super::{Measured, Stability, Verdict};
-use crate::cases::CASES;
+use crate::cases::{CASES, Case};
 use crate::machine::Machine;
-use crate::registry::TRACERS;
+use crate::registry::{Registration, TRACERS};
 use crate::results::{Record, Rule, Wrong};
 use tracebench_api::Preset;
 
@@ -78,10 +80,8 @@ impl ExpectedShares {
     /// The file's text: lines sorted by tracer and case, shares in percent after the difficulty parameter's values.
     pub fn text(&self) -> String {
         let kinds: BTreeSet<&String> = self.0.values().flat_map(BTreeMap::keys).collect();
-        let line = |first: [&str; 2], cells: Vec<String>| {
-            let first = first.map(str::to_owned).into_iter();
-            first.chain(cells).collect::<Vec<_>>().join(",") + "\n"
-        };
+        let line =
+            |first: [&str; 2], cells: Vec<String>| [&first.map(str::to_owned)[..], &cells].concat().join(",") + "\n";
         let mut text = line(["tracer", "case"], kinds.iter().map(|kind| (*kind).clone()).collect());
         for ((tracer, case), cells) in &self.0 {
             let cells = kinds.iter().map(|kind| cells.get(*kind).map_or_else(String::new, in_words));
@@ -132,16 +132,11 @@ impl ExpectedShares {
 
 /// By which rule rays of a tracer are wrong on a case, where some may be.
 fn expected_rules() -> BTreeMap<(String, String), Rule> {
-    let mut rules = BTreeMap::new();
-    for tracer in TRACERS {
-        for (preset, case) in Preset::ALL.into_iter().flat_map(|preset| CASES.iter().map(move |case| (preset, case))) {
-            if let Some(expected) = tracer.expected_of(preset, case.name).filter(|expected| expected.kind.has_shares())
-            {
-                rules.insert((tracer.column(preset), case.name.to_owned()), expected.rule);
-            }
-        }
-    }
-    rules
+    let rule = |((tracer, preset), case): ((&Registration, Preset), &Case)| {
+        let expected = tracer.expected_of(preset, case.name).filter(|expected| expected.kind.has_shares())?;
+        Some(((tracer.column(preset), case.name.to_owned()), expected.rule))
+    };
+    TRACERS.iter().cartesian_product(Preset::ALL).cartesian_product(CASES.iter()).filter_map(rule).collect()
 }
 
 fn cell(text: &str) -> Option<Cell> {

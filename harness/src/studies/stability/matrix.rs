@@ -2,8 +2,8 @@
 
 use super::{Verdict, verdict};
 use crate::results::{
-    AnyJudgement, CaseRecord, CaseTracer, ClosestJudgement, ExpectationRecord, Judgement, NoAnswer, Occlusion,
-    Provenance, Record, Skipped, UNEXPLAINED, Wrong,
+    AnyJudgement, CaseRecord, CaseTracer, ClosestJudgement, ExpectationRecord, Judgement, NoAnswer, Provenance, Record,
+    Skipped, UNEXPLAINED, Wrong,
 };
 
 /// A run of cases.
@@ -99,16 +99,8 @@ impl Measured {
 impl CaseMatrix {
     fn of(record: &Record, case: &CaseRecord) -> Self {
         let cell = |of: &CaseTracer| {
-            if of.unavailable {
-                return verdict::unavailable(&of.tracer.label(), of.expectation.as_ref());
-            }
-            let measured = case
-                .difficulty_parameter
-                .values
-                .iter()
-                .map(|difficulty_level| measured(record, case, of, *difficulty_level))
-                .collect();
-            verdict::cell(case, &of.tracer.label(), of.expectation.as_ref(), measured)
+            let values = case.difficulty_parameter.values.iter().filter(|_| !of.unavailable);
+            verdict::cell(case, of, values.map(|value| measured(record, case, of, *value)).collect())
         };
         Self { case: case.clone(), cells: case.tracers.iter().map(cell).collect() }
     }
@@ -136,7 +128,10 @@ fn measured(record: &Record, case: &CaseRecord, of: &CaseTracer, difficulty_leve
 fn wrong(judgement: &Judgement) -> Option<Wrong> {
     let right = match judgement {
         Judgement::Closest(ClosestJudgement { agreement: of, .. }) => [of.hit_miss?, of.tight?, of.footprint?],
-        Judgement::Any(any) => [right_of_any(any)?; 3],
+        Judgement::Any(AnyJudgement { occlusion: of, .. }) => {
+            let (right, wrong) = (of.true_occluded + of.true_free, of.false_occluded + of.false_free);
+            [(right + wrong > 0).then(|| right as f64 / (right + wrong) as f64)?; 3]
+        }
     };
     let [hit_miss, tight, footprint] = right.map(|share| 1.0 - share);
     Some(Wrong { hit_miss, tight, footprint })
@@ -145,10 +140,4 @@ fn wrong(judgement: &Judgement) -> Option<Wrong> {
 fn unexplained(judgement: &Judgement, rays: u64) -> f64 {
     let most = judgement.causes().values().filter_map(|of_rule| of_rule.get(UNEXPLAINED)).max();
     most.map_or(0.0, |most| *most as f64 / rays as f64)
-}
-
-fn right_of_any(any: &AnyJudgement) -> Option<f64> {
-    let Occlusion { true_occluded, true_free, false_occluded, false_free, .. } = any.occlusion;
-    let (right, all) = (true_occluded + true_free, true_occluded + true_free + false_occluded + false_free);
-    (all > 0).then(|| right as f64 / all as f64)
 }

@@ -87,16 +87,14 @@ pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>)
     let mut absent = vec![false; candidates.len()];
     for (candidate, absent) in candidates.iter().zip(&mut absent) {
         let tracer = candidate.request.name().to_owned();
-        match context.config(&candidate.request) {
-            Ok(_) => {}
-            Err(error) if candidate.request.required => return Err(RunError::Tracer(tracer, error)),
-            Err(error) => {
-                *absent = true;
-                context.progress.say(&format!("skipped {tracer}: {error}"));
-                let (scene, reason) = ("cases".to_owned(), error.to_string());
-                record.skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason });
-            }
+        let Err(error) = context.config(&candidate.request) else { continue };
+        if candidate.request.required {
+            return Err(RunError::Tracer(tracer, error));
         }
+        *absent = true;
+        context.progress.say(&format!("skipped {tracer}: {error}"));
+        let (scene, reason) = ("cases".to_owned(), error.to_string());
+        record.skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason });
     }
     let mut records = Vec::new();
     let mut index = 0;
@@ -122,34 +120,29 @@ fn measure_case(
 ) -> Result<CaseRecord, RunError> {
     let machine = &record.provenance.machine;
     let (kind, rasterizer) = (expected::kind_of(machine), machine.rasterizer.as_ref());
-    let mut tracers: Vec<CaseTracer> = candidates
-        .iter()
-        .zip(absent)
-        .map(|(candidate, absent)| CaseTracer {
-            tracer: records::request_record(&candidate.request),
-            expectation: candidate.record(case, kind, rasterizer),
-            unavailable: *absent,
-            no_answers: Vec::new(),
-        })
-        .collect();
+    let tracer = |(candidate, absent): (&Candidate, &bool)| {
+        let expectation = candidate.record(case, kind, rasterizer);
+        let tracer = records::request_record(&candidate.request);
+        CaseTracer { tracer, expectation, unavailable: *absent, no_answers: Vec::new() }
+    };
+    let mut tracers: Vec<CaseTracer> = candidates.iter().zip(absent).map(tracer).collect();
     let running: Vec<usize> = (0..candidates.len()).filter(|place| !absent[*place]).collect();
     let requests: Vec<TracerRequest> = running.iter().map(|place| candidates[*place].request.clone()).collect();
     let (mut difficulty_levels, mut invalid) = (Vec::new(), None);
     for (turn, &difficulty_level) in case.difficulty_parameter.values.iter().enumerate() {
         let gpu = context.device.as_ref().ok();
-        let prepare = || placed(case, difficulty_level, gpu);
         let hook = |session: &Session, rays: &PreparedRays, _: &[Option<Observations>]| {
-            measure::told(&describe(case, difficulty_level, session.truth(), &rays.answers)?)
+            measure::told(&describe(case, difficulty_level, &session.truth, &rays.answers)?)
         };
         let place = Workload {
             index: index + turn,
             scene_sha256: None,
-            prepare: &prepare,
+            prepare: Box::new(|| placed(case, difficulty_level, gpu)),
             requests: &requests,
             options: MeasureOptions { validated: false, lenient: true, ..MeasureOptions::untimed() },
             hook: Some(&hook),
         };
-        let mut found = measure::measure(&place, context)?;
+        let mut found = measure::measure(place, context)?;
         difficulty_levels.extend(found.take_hooked::<DifficultyLevel>()?);
         if let Some(reason) = found.invalid.take() {
             invalid.get_or_insert_with(|| format!("at {difficulty_level}: {reason}"));
@@ -186,7 +179,7 @@ fn placed(case: &Case, difficulty_level: f64, gpu: Option<&Arc<Gpu>>) -> Result<
         name: case.name.to_owned(),
         sha256: hash::sha256_of(parts.as_bytes()),
         triangles: triangles.len() as u64,
-        diagonal: session.truth().diagonal(),
+        diagonal: session.truth.diagonal(),
         ..SceneRecord::default()
     };
     let rays = [setup.rays.len() as u32, 1];

@@ -2,7 +2,7 @@
 
 use super::{Cell, Measured};
 use crate::results::{
-    CaseRecord, ExpectationKind, ExpectationRecord, MAX_UNEXPLAINED, NoAnswer, Rule, UnexpectedOutcome,
+    CaseRecord, CaseTracer, ExpectationKind, ExpectationRecord, MAX_UNEXPLAINED, NoAnswer, Rule, UnexpectedOutcome,
 };
 
 /// What came of a tracer on a case.
@@ -46,14 +46,10 @@ pub(crate) fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// Judges one tracer on one case.
-pub(super) fn cell(
-    case: &CaseRecord,
-    tracer: &str,
-    expected: Option<&ExpectationRecord>,
-    mut measured: Vec<Measured>,
-) -> Cell {
-    let (verdict, text) = match expected {
+/// Judges one tracer on one case. Of one that this machine cannot run nothing is measured and nothing can be surprising.
+pub(super) fn cell(case: &CaseRecord, of: &CaseTracer, mut measured: Vec<Measured>) -> Cell {
+    let (verdict, text) = match &of.expectation {
+        _ if of.unavailable => (Verdict::Unavailable, "unavailable".to_owned()),
         Some(expected) if expected.kind == ExpectationKind::Unserved => unserved(expected, &mut measured),
         Some(expected) if (0..measured.len()).any(|index| expected.expected_share(index).is_some()) => {
             stated(case, expected, &mut measured)
@@ -65,18 +61,7 @@ pub(super) fn cell(
         true => format!("{text}, of {} the cause is not known", percent(unexplained)),
         false => text,
     };
-    Cell { tracer: tracer.to_owned(), expectation: expected.cloned(), verdict, text, measured }
-}
-
-/// The cell of a tracer that this machine cannot run: nothing is measured and nothing can be surprising.
-pub(super) fn unavailable(tracer: &str, expected: Option<&ExpectationRecord>) -> Cell {
-    Cell {
-        tracer: tracer.to_owned(),
-        expectation: expected.cloned(),
-        verdict: Verdict::Unavailable,
-        text: "unavailable".to_owned(),
-        measured: Vec::new(),
-    }
+    Cell { tracer: of.tracer.label(), expectation: of.expectation.clone(), verdict, text, measured }
 }
 
 /// The greatest share of wrong rays over all difficulty levels.

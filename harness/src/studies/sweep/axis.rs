@@ -1,6 +1,6 @@
 //! What can be swept: any parameter of a tracer, and the resolution of what it takes its views from.
 
-use tracebench_api::{Domain, ParameterDescription, ParameterError, Value};
+use tracebench_api::{Domain, ParameterDescription, Value};
 
 use super::SweepError;
 use crate::plan::{LARGEST_EDGE, LARGEST_FACE, Resolution, RunPreset, TracerRequest};
@@ -116,9 +116,8 @@ pub fn parameter_axis(
     described: &ParameterDescription,
     values: Option<&[String]>,
 ) -> Result<AxisRecord, SweepError> {
-    let own = request.parameters.iter().find(|(name, _)| *name == described.name).map(|(_, value)| value.clone());
-    let own = own.unwrap_or_else(|| described.published.clone());
-    let read = |text: &String| described.parse(text).map_err(|error: ParameterError| SweepError::Parameter(error));
+    let own = request.parameters.value(described.name).unwrap_or(&described.published).clone();
+    let read = |text: &String| described.parse(text).map_err(SweepError::Parameter);
     let mut all = match values {
         Some(values) => values.iter().map(read).collect::<Result<Vec<_>, _>>()?,
         None => described.sweep.clone(),

@@ -13,7 +13,7 @@ pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, place, resoluti
 
 use crate::measure::{self, Context, MeasureOptions, Measured, RunError, records};
 use crate::plan::{Plan, Resolution, TracerRequest};
-use crate::results::{AxisRecord, PointRecord, Record, SceneRecord, Skipped, SweepRecord, ViewpointRecord, place_name};
+use crate::results::{AxisRecord, PointRecord, Record, Skipped, SweepRecord};
 
 /// The most points of a sweep: a page has room for no more.
 pub const MAX_POINTS: usize = 128;
@@ -49,7 +49,7 @@ pub enum SweepError {
 pub struct Sweep {
     plan: Plan,
     /// A configuration for every point, in their order.
-    requests: Vec<TracerRequest>,
+    pub(super) requests: Vec<TracerRequest>,
     record: SweepRecord,
 }
 
@@ -71,25 +71,18 @@ impl Sweep {
         };
         let changed = changed.into_iter().map(|changed| own.clone().into_iter().chain(changed).collect());
         let wanted: Vec<BTreeMap<String, String>> = std::iter::once(own.clone()).chain(changed).unique().collect();
-        let request = plan.tracers.first();
-        let tracer = request.map_or_else(String::new, |request| request.name().to_owned());
-        let mut sweep = Self {
-            plan: plan.clone(),
-            requests: Vec::new(),
-            record: SweepRecord { tracer, grid, axes, points: Vec::new() },
-        };
-        for values in wanted {
-            let Some(request) = request else { break };
-            let axes = sweep.record.axes.iter();
-            let others =
-                axes.filter(|axis| values[&axis.name] != axis.own).map(|axis| (&axis.name, &values[&axis.name]));
+        let (mut points, mut requests) = (Vec::new(), Vec::new());
+        for (request, values) in plan.tracers.iter().take(1).cartesian_product(wanted) {
+            let others = axes.iter().filter(|axis| values[&axis.name] != axis.own);
+            let others = others.map(|axis| (&axis.name, &values[&axis.name]));
             let (request, Resolution { frame, face }) = with_values(request, plan.preset, others)?;
             let parameters = records::json_values(&request.parameters);
-            sweep.record.points.push(PointRecord { values, parameters, frame, face, skipped: BTreeMap::new() });
-            sweep.requests.push(request);
+            points.push(PointRecord { values, parameters, frame, face, skipped: BTreeMap::new() });
+            requests.push(request);
         }
-        check_count(sweep.record.points.len())?;
-        Ok(sweep)
+        check_count(points.len())?;
+        let tracer = plan.tracers.first().map_or_else(String::new, |request| request.name().to_owned());
+        Ok(Self { plan: plan.clone(), requests, record: SweepRecord { tracer, grid, axes, points } })
     }
 
     /// The number of points.
@@ -116,39 +109,14 @@ impl Sweep {
     }
 
     /// Adds what was measured of every point in one place, which names it where a point is skipped.
-    fn add(&mut self, record: &mut Record, found: Measured, place: &str) {
+    pub(super) fn add(&mut self, record: &mut Record, found: Measured, place: &str) {
         for (point, refusal) in measure::add(record, found) {
             self.record.points[point].skipped.insert(place.to_owned(), refusal.reason);
         }
     }
 
-    /// Judges every point from a viewpoint of a plan's only scene, and gives scene and viewpoint. `view`: which of the scene's that is.
-    pub(super) fn judge(
-        &mut self,
-        index: usize,
-        plan: &Plan,
-        view: usize,
-        record: &mut Record,
-        context: &Context<'_>,
-    ) -> Result<(SceneRecord, ViewpointRecord), RunError> {
-        let found = measure::measure_plan(index, plan, &self.requests, MeasureOptions::untimed(), None, context)?;
-        let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
-        self.add(record, found, &place_name(&scene, &viewpoint, view));
-        Ok((scene, viewpoint))
-    }
-
-    /// The record of what was measured.
+    /// The record of what was measured, which says of each point that is left out so once, by its values.
     pub(super) fn finish(self, mut record: Record, context: &Context<'_>) -> Result<Record, RunError> {
-        self.say_skipped(&mut record);
-        if record.rows.is_empty() && context.shard.is_none() {
-            return Err(measure::nothing(&record));
-        }
-        record.sweep = Some(self.record);
-        Ok(record)
-    }
-
-    /// Says of each point that is left out so once, by its values.
-    fn say_skipped(&self, record: &mut Record) {
         for point in &self.record.points {
             let label = point.label(&self.record.axes);
             for (scene, reason) in &point.skipped {
@@ -157,6 +125,11 @@ impl Sweep {
                 record.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
             }
         }
+        if record.rows.is_empty() && context.shard.is_none() {
+            return Err(measure::nothing(&record));
+        }
+        record.sweep = Some(self.record);
+        Ok(record)
     }
 }
 

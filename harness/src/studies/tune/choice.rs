@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::tuning::{Choice, Label, SceneTuned, SetTuned};
+use super::tuning::{Choice, Label, SceneTuned, SetTuned, ValueTuned};
 use crate::judge::Rule;
 use crate::results::{Accuracy, Judgement};
 
@@ -17,27 +17,16 @@ pub fn accuracy(judgement: &Judgement, rule: Rule) -> Option<Accuracy> {
 /// The value with the greatest mean score over ray sets, of those that were judged in all of them; of equal ones that nearest
 /// to 0 where values are numbers, else the first. `None` without a set.
 fn best<'a>(sets: &[&'a SetTuned], rule: Rule) -> Option<&'a str> {
-    let mut best: Option<(f64, &str)> = None;
-    for each in &sets.first()?.values {
-        let scores: Option<Vec<f64>> = sets.iter().map(|set| set.score(&each.value, rule)).collect();
-        let Some(scores) = scores else { continue };
-        let mean = scores.iter().sum::<f64>() / scores.len() as f64;
-        let is_nearer = |to: &str| size(&each.value) < size(to);
-        if best.is_none_or(|(greatest, of)| mean > greatest || (mean == greatest && is_nearer(of))) {
-            best = Some((mean, &each.value));
-        }
-    }
-    best.map(|(_, value)| value)
-}
-
-/// How far a value is from 0; infinitely where it is no number.
-fn size(value: &str) -> f64 {
-    value.parse().map_or(f64::INFINITY, f64::abs)
-}
-
-/// Whether anything of a set was judged: one of nothing but ambiguous rays has no say.
-fn has_scores(set: &SetTuned, rule: Rule) -> bool {
-    set.values.iter().any(|each| set.score(&each.value, rule).is_some())
+    let scored = sets.first()?.values.iter().filter_map(|ValueTuned { value, .. }| {
+        let sum: f64 = sets.iter().map(|set| set.score(value, rule)).sum::<Option<f64>>()?;
+        Some((sum / sets.len() as f64, value.as_str()))
+    });
+    // How far a value is from 0; infinitely where it is no number.
+    let size = |value: &str| value.parse().map_or(f64::INFINITY, f64::abs);
+    let is_better = |(one, value): (f64, &str), (other, than): (f64, &str)| {
+        one > other || (one == other && size(value) < size(than))
+    };
+    scored.reduce(|best, each| if is_better(each, best) { each } else { best }).map(|(_, value)| value)
 }
 
 /// A viewpoint's ray set of a name.
@@ -57,10 +46,10 @@ pub fn choose(scenes: &mut [SceneTuned], default: &str, rule: Rule) {
                 .filter_map(|other| set_of(scene, other, &set.rays))
                 .collect();
             let others = scenes.iter().enumerate().filter(|(other, _)| *other != place);
-            let others: Vec<&SetTuned> = others
-                .filter_map(|(_, other)| set_of(other, 0, &set.rays))
-                .filter(|other| other.query == set.query && has_scores(other, rule))
-                .collect();
+            let others = others.filter_map(|(_, other)| set_of(other, 0, &set.rays));
+            // One of nothing but ambiguous rays has no say.
+            let has_scores = |of: &SetTuned| of.values.iter().any(|each| of.score(&each.value, rule).is_some());
+            let others: Vec<&SetTuned> = others.filter(|other| other.query == set.query && has_scores(other)).collect();
             let value = |label| match label {
                 Label::Default => Some(default),
                 Label::TunedHere => best(&[set], rule),

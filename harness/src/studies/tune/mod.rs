@@ -11,9 +11,9 @@ pub use choice::{accuracy, choose};
 pub use tuning::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
 
 use crate::judge::Rule;
-use crate::measure::{self, Context, RunError, records};
+use crate::measure::{self, Context, MeasureOptions, RunError, records};
 use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
-use crate::results::{AxisRecord, Record, SampleSchedule, Skipped, TunedScene, TuningRecord};
+use crate::results::{AxisRecord, Record, SampleSchedule, Skipped, TunedScene, TuningRecord, place_name};
 use crate::studies::sweep::{Sweep, SweepError};
 
 /// A parameter of a plan's only tracer, to be tuned.
@@ -54,16 +54,21 @@ impl Tune {
             let own = &self.plan.view;
             for (view, request) in [own.clone(), ViewRequest::Other(Box::new(own.clone()))].into_iter().enumerate() {
                 let plan = Plan { scenes: vec![source.clone()], view: request, ..self.plan.clone() };
-                let before = record.rows.len();
-                match self.sweep.judge(2 * index + view, &plan, view, &mut record, context) {
-                    Ok((scene, viewpoint)) if record.rows.len() > before => {
+                let (index, options) = (2 * index + view, MeasureOptions::untimed());
+                match measure::measure_plan(index, &plan, &self.sweep.requests, options, None, context) {
+                    Ok(found) => {
+                        let (before, scene, viewpoint) =
+                            (record.rows.len(), found.scene.clone(), found.viewpoint.clone());
+                        self.sweep.add(&mut record, found, &place_name(&scene, &viewpoint, view));
+                        // Another viewpoint stands beside the own one or nowhere.
+                        if record.rows.len() == before {
+                            break;
+                        }
                         match scenes.last_mut().filter(|_| view > 0) {
                             Some(last) => last.viewpoints.push(viewpoint),
                             None => scenes.push(TunedScene { scene, viewpoints: vec![viewpoint] }),
                         }
                     }
-                    // Another viewpoint stands beside the own one or nowhere.
-                    Ok(_) => break,
                     Err(error @ RunError::NoOtherView(..)) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
                         record.skipped.push(Skipped { tracer: None, scene, rays: None, reason });

@@ -1,7 +1,5 @@
 //! Choices over made-up scores.
 
-use std::collections::BTreeMap;
-
 use tracebench_api::{ClockKind, Query};
 
 use super::*;
@@ -10,30 +8,26 @@ use crate::results::{Judgement, PerRule};
 
 const VALUES: [&str; 4] = ["0", "0.1", "0.2", "0.3"];
 
-/// A verdict with given agreements by footprint; by the other rules it is the other way round. Of any-hit sets the balanced
+/// Answers with given agreements by footprint; by the other rules it is the other way round. Of any-hit sets the balanced
 /// accuracy.
-fn judgement(query: Query, share: Option<f64>) -> Judgement {
+fn judged(query: Query, share: Option<f64>) -> Judged {
     let quality = Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
-    let mut judgement = fixture::run(&[("t", quality)], &[("rays", query)]).rows.remove(0).traces.remove(0).judgement;
+    let mut judged = fixture::run(&[("t", quality)], &[("rays", query)]).rows.remove(0).traces.remove(0);
     let turned = share.map(|share| 1.0 - share);
-    match &mut judgement {
+    match &mut judged.judgement {
         Judgement::Closest(closest) => {
             closest.agreement = PerRule { hit_miss: turned, tight: turned, footprint: share };
         }
         Judgement::Any(any) => any.occlusion.balanced_accuracy = share,
     }
-    judgement
+    judged
 }
 
 /// A set with a score a value: `None` for one that could not be measured, `Some(None)` for nothing but ambiguous rays.
 fn set(rays: &str, query: Query, scores: [Option<Option<f64>>; 4]) -> SetTuned {
     let value = |(value, score): (&str, Option<Option<f64>>)| ValueTuned {
         value: value.to_owned(),
-        judged: score.map(|share| Judged {
-            hits_sha256: String::new(),
-            statuses: BTreeMap::new(),
-            judgement: judgement(query, share),
-        }),
+        judged: score.map(|share| judged(query, share)),
         skipped: score.is_none().then(|| "too large".to_owned()),
     };
     let values = VALUES.into_iter().zip(scores).map(value).collect();

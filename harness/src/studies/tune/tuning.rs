@@ -8,8 +8,8 @@ use tracebench_api::{Query, named};
 use super::choice::{accuracy, choose};
 use crate::judge::Rule;
 use crate::results::{
-    AxisRecord, Judgement, Provenance, Record, Row, SceneRecord, Skipped, SweepRecord, TraceRecord, TracerRecord,
-    TunedScene, ViewpointRecord, place_name,
+    AxisRecord, Provenance, Record, Row, SceneRecord, Skipped, SweepRecord, TraceRecord, TracerRecord, TunedScene,
+    ViewpointRecord, place_name,
 };
 
 /// A parameter of a tracer, tuned.
@@ -23,8 +23,6 @@ pub struct Tuning {
     pub seed: u64,
     /// Run preset.
     pub preset: String,
-    /// What was said about ray sets: every parameter's value.
-    pub ray_parameters: BTreeMap<String, serde_json::Value>,
     /// The tracer with its default values.
     pub tracer: TracerRecord,
     /// The parameter; `own` is its default, the value of the tracer's preset.
@@ -85,16 +83,8 @@ pub struct ValueTuned {
     pub skipped: Option<String>,
 }
 
-/// What a value answered.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Judged {
-    /// Hash of the judged hits.
-    pub hits_sha256: String,
-    /// How many rays ended with which status.
-    pub statuses: BTreeMap<String, u64>,
-    /// The verdict, without the list of wrong rays.
-    pub judgement: Judgement,
-}
+/// What a value answered, without the list of wrong rays.
+pub type Judged = TraceRecord;
 
 named! {
     /// How a value was come by: which rays have seen it beforehand.
@@ -137,7 +127,6 @@ impl Tuning {
             control_names: record.control_names.clone(),
             seed: record.seed,
             preset: record.preset.clone(),
-            ray_parameters: record.ray_parameters.clone(),
             tracer: tuning.tracer.clone(),
             axis,
             rule: tuning.rule,
@@ -166,12 +155,8 @@ impl SceneTuned {
                 let found = point.and_then(|point| rows.iter().find(|one| point.is_of(one)));
                 let trace = found.and_then(|one| one.traces.iter().find(|trace| trace.rays_sha256 == rays_sha256));
                 let skipped = point.and_then(|point| point.skipped.get(&place).cloned());
-                let judged = trace.map(|trace| {
-                    let mut judgement = trace.judgement.clone();
-                    judgement.wrong_rays_mut().clear();
-                    let (hits_sha256, statuses) = (trace.hits_sha256.clone(), trace.statuses.clone());
-                    Judged { hits_sha256, statuses, judgement }
-                });
+                let mut judged = trace.cloned();
+                judged.iter_mut().for_each(|judged| judged.judgement.wrong_rays_mut().clear());
                 ValueTuned { value: value.clone(), judged, skipped }
             };
             let traces = controls.first().or(rows.first().copied()).map_or(&[][..], |first| &first.traces);
