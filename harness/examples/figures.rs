@@ -209,23 +209,20 @@ fn record(path: &Path) -> Result<Value, Box<dyn std::error::Error>> {
 /// What is made of several numbers, by name; where it is several numbers, these stand as `{0} to {1}` or `{0} ({1} to {2})`.
 type Reduction = fn(&[f64]) -> Vec<f64>;
 
-fn minimum(all: &[f64]) -> f64 {
-    all.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-fn maximum(all: &[f64]) -> f64 {
-    all.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+/// The least and the greatest.
+fn ends(all: &[f64]) -> [f64; 2] {
+    all.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], each| [low.min(*each), high.max(*each)])
 }
 
 const REDUCTIONS: [(&str, Reduction); 9] = [
-    ("min ", |all| vec![minimum(all)]),
-    ("max ", |all| vec![maximum(all)]),
+    ("min ", |all| vec![ends(all)[0]]),
+    ("max ", |all| vec![ends(all)[1]]),
     ("median ", |all| vec![median(all)]),
     ("mean ", |all| vec![all.iter().sum::<f64>() / all.len() as f64]),
     ("sum ", |all| vec![all.iter().sum()]),
     ("count ", |all| vec![all.len() as f64]),
-    ("range ", |all| vec![minimum(all), maximum(all)]),
-    ("median-range ", |all| vec![median(all), minimum(all), maximum(all)]),
+    ("range ", |all| ends(all).to_vec()),
+    ("median-range ", |all| vec![median(all), ends(all)[0], ends(all)[1]]),
     ("interval ", |all| {
         let ([low, high], _) = median_interval(all);
         vec![median(all), low, high]

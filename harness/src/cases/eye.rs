@@ -3,18 +3,29 @@
 use glam::{DVec3, Vec3, dvec3};
 
 use super::sketch::{Camera, RAYS, Sketch};
-use super::{Case, Feature, Probe, turned};
+use super::{Drawn, Probe};
 
-pub(super) const INSIDE: Case = Case {
-    name: "eye-inside-object",
-    summary: "the eye within a closed shell ever smaller than the scene; half of the rays start outside of it",
-    difficulty_parameter: turned("shell radius", "diagonals", &[0.2, 0.05, 0.01, 0.004]),
-    seed: 10,
-    make: inside,
-    feature: Feature::of("hit the shell within a hundredth of the diagonal", 0.3, |probe, index| {
+pub(super) const DRAWN: &[Drawn] = &[
+    ("eye-inside-object", inside, |probe, index| {
         probe.hit(index).is_some_and(|hit| hit.t < 0.01 * probe.truth.diagonal())
     }),
-};
+    ("eye-on-surface", on_surface, before_near),
+    ("eye-at-vertex", at_vertex, before_near),
+    ("before-near", nearer_than_near, before_near),
+    (
+        "depth-range",
+        |sketch, decades| drop(plates_by_decade(sketch, decades)),
+        |probe, index| probe.point(index).is_some_and(|point| -point.z < 1e-5 * probe.view().far),
+    ),
+    ("secondary-depth-ratio", secondary_depth_ratio, |probe, index| {
+        let start = probe.ray(index).origin[2];
+        probe.point(index).is_some_and(|point| start > 1e-5 * point.z)
+    }),
+    ("plane-through-eye", plane_through_eye, |probe, index| {
+        let eye = probe.setup.viewpoint.eye;
+        probe.point(index).is_some_and(|point| point.y.abs() < 1e-6 && eye.y == 0.0)
+    }),
+];
 
 fn inside(sketch: &mut Sketch, radius: f64) {
     sketch.widen([DVec3::splat(-2.0), DVec3::splat(2.0)]);
@@ -38,15 +49,6 @@ fn before_near(probe: &Probe<'_>, index: usize) -> bool {
     probe.point(index).is_some_and(|point| (point - view.eye).dot(view.forward) < view.near)
 }
 
-pub(super) const ON_SURFACE: Case = Case {
-    name: "eye-on-surface",
-    summary: "the eye ever closer above a floor",
-    difficulty_parameter: turned("height", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 1e-5]),
-    seed: 11,
-    make: on_surface,
-    feature: Feature::of("hit the floor before near", 0.2, before_near),
-};
-
 fn on_surface(sketch: &mut Sketch, height: f64) {
     // A slanted floor, 2 by 2: what is close to the eye has no special coordinates.
     let (along, upward) = (dvec3(1.0, 0.02, 0.0), dvec3(0.0, 0.05, -1.0));
@@ -54,15 +56,6 @@ fn on_surface(sketch: &mut Sketch, height: f64) {
     let floor = -normal * (height * 8.0_f64.sqrt());
     sketch.plate_around(floor, along, upward);
 }
-
-pub(super) const AT_VERTEX: Case = Case {
-    name: "eye-at-vertex",
-    summary: "the eye ever closer to the tip of a cone that points at it",
-    difficulty_parameter: turned("distance", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 1e-5]),
-    seed: 12,
-    make: at_vertex,
-    feature: Feature::of("hit the cone before near", 0.2, before_near),
-};
 
 fn at_vertex(sketch: &mut Sketch, distance: f64) {
     const SIDES: u32 = 9;
@@ -79,15 +72,6 @@ fn at_vertex(sketch: &mut Sketch, distance: f64) {
     sketch.speck(dvec3(0.6, 1.0, -0.5));
 }
 
-pub(super) const BEFORE_NEAR: Case = Case {
-    name: "before-near",
-    summary: "a plate before half of the view, at last nearer than near",
-    difficulty_parameter: turned("depth", "near distances", &[10.0, 1.5, 0.75, 0.25, 0.01]),
-    seed: 13,
-    make: nearer_than_near,
-    feature: Feature::of("hit what is nearer than near", 0.2, before_near),
-};
-
 fn nearer_than_near(sketch: &mut Sketch, depth: f64) {
     const NEAR: f64 = 0.004;
     let depth = depth * NEAR;
@@ -95,19 +79,6 @@ fn nearer_than_near(sketch: &mut Sketch, depth: f64) {
     sketch.plate(dvec3(-1.1, -1.3, -3.0), dvec3(1.9, 0.0, 0.1), dvec3(0.0, 1.7, 0.2));
     sketch.camera.near = Some(NEAR as f32);
 }
-
-pub(super) const DEPTH_RANGE: Case = Case {
-    name: "depth-range",
-    summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
-    difficulty_parameter: turned("range", "decades of depth", &[1.0, 2.0, 4.0, 6.0, 8.0]),
-    seed: 15,
-    make: |sketch, decades| {
-        plates_by_decade(sketch, decades);
-    },
-    feature: Feature::of("hit at less than a hundred-thousandth of the greatest depth", 0.15, |probe, index| {
-        probe.point(index).is_some_and(|point| -point.z < 1e-5 * probe.view().far)
-    }),
-};
 
 /// A plate a decade of depth side by side in one view: corner, and the two edges that start there.
 fn plates_by_decade(sketch: &mut Sketch, decades: f64) -> Vec<[DVec3; 3]> {
@@ -123,18 +94,6 @@ fn plates_by_decade(sketch: &mut Sketch, decades: f64) -> Vec<[DVec3; 3]> {
     sketch.camera.near = Some(5e-4);
     plates
 }
-
-pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
-    name: "secondary-depth-ratio",
-    summary: "rays from surfaces to deeper ones, in a view whose depths are ten times as deep from plate to plate",
-    difficulty_parameter: turned("range", "decades of depth", &[1.0, 2.0, 4.0, 6.0, 8.0]),
-    seed: 27,
-    make: secondary_depth_ratio,
-    feature: Feature::of("start at less than a hundred-thousandth of the depth of their hit", 0.12, |probe, index| {
-        let start = probe.ray(index).origin[2];
-        probe.point(index).is_some_and(|point| start > 1e-5 * point.z)
-    }),
-};
 
 /// The plates that rays start on: so far apart are they from the deepest.
 const STARTED_ON: f64 = 3.0;
@@ -160,18 +119,6 @@ fn secondary_depth_ratio(sketch: &mut Sketch, decades: f64) {
         }
     }
 }
-
-pub(super) const PLANE_THROUGH_EYE: Case = Case {
-    name: "plane-through-eye",
-    summary: "a ground along the world's axes that the eye sinks into: edge-on to the eye, and to every face along it; rays above it, up and down",
-    difficulty_parameter: turned("height over the ground", "diagonals", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
-    seed: 22,
-    make: plane_through_eye,
-    feature: Feature::of("hit a plane that holds the eye", 0.3, |probe, index| {
-        let eye = probe.setup.viewpoint.eye;
-        probe.point(index).is_some_and(|point| point.y.abs() < 1e-6 && eye.y == 0.0)
-    }),
-};
 
 fn plane_through_eye(sketch: &mut Sketch, height: f64) {
     // Not square, so that no edge between its triangles passes below the eye.

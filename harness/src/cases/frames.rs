@@ -3,22 +3,41 @@
 use glam::{DVec3, dvec3};
 use tracebench_api::{View, Viewpoint};
 
+use super::Drawn;
 use super::sketch::{Camera, PIXEL, RAYS, Sketch};
-use super::{Case, Feature, turned};
 
-pub(super) const CUBE_BORDERS: Case = Case {
-    name: "cube-borders",
-    summary: "rays from the eye and near it along the edges and corners between cube faces, onto a torn sphere",
-    difficulty_parameter: turned("off the border", "parts of the distance", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
-    seed: 14,
-    make: cube_borders,
-    feature: Feature::of("run along a face's border", 0.9, |probe, index| {
+pub(super) const DRAWN: &[Drawn] = &[
+    ("cube-borders", cube_borders, |probe, index| {
         let direction = probe.ray(index).direction.abs();
         let (most, least) = (direction.max_element(), direction.min_element());
         let middle = direction.element_sum() - most - least;
         most - middle < 1e-6
     }),
-};
+    ("coarse-frame", coarse_frame, |probe, index| {
+        let triangle = probe.triangle(index).zip(probe.point(index));
+        triangle.is_some_and(|((longest, _), point)| longest < probe.pixel(point))
+    }),
+    ("wide-frame", wide_frame, |probe, index| probe.hit(index).is_some() && probe.view().size[1] == 1),
+    ("surface-starts", surface_starts, |probe, index| {
+        (probe.ray(index).origin.y + 1.0).abs() < 1e-5 * probe.truth.diagonal()
+    }),
+    ("cell-borders", cell_borders, |probe, index| {
+        let on_border = |at: f64| (at - at.round()).abs() < 1e-3;
+        let at = probe.view().project(probe.ray(index).origin);
+        at.is_some_and(|at| on_border(at.x) || on_border(at.y))
+    }),
+    ("face-cell-borders", face_cell_borders, |probe, index| {
+        let on_border = |at: f64| (at / 2.0 - (at / 2.0).round()).abs() < 5e-4;
+        let at = forward_face(&probe.setup.viewpoint).project(probe.ray(index).origin);
+        at.is_some_and(|at| on_border(at.x) || on_border(at.y))
+    }),
+    ("through-view-centre", view_centre, |probe, index| {
+        let ray = probe.ray(index);
+        let offset = probe.view().eye - ray.origin;
+        let aside = offset - ray.direction * offset.dot(ray.direction);
+        aside.length() < 1e-6 * probe.truth.diagonal()
+    }),
+];
 
 fn cube_borders(sketch: &mut Sketch, off: f64) {
     sketch.sphere(DVec3::ZERO, 2.0, 12, |numbers| numbers.unit() < 0.75);
@@ -51,18 +70,6 @@ fn plates(sketch: &mut Sketch, width: f64, height: f64) {
     }
 }
 
-pub(super) const COARSE_FRAME: Case = Case {
-    name: "coarse-frame",
-    summary: "plates seen through ever fewer pixels, odd numbers of them, down to one; rays between pixel centres",
-    difficulty_parameter: turned("frame edge", "pixels", &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0]),
-    seed: 16,
-    make: coarse_frame,
-    feature: Feature::of("hit something smaller than a pixel", 0.3, |probe, index| {
-        let triangle = probe.triangle(index).zip(probe.point(index));
-        triangle.is_some_and(|((longest, _), point)| longest < probe.pixel(point))
-    }),
-};
-
 fn coarse_frame(sketch: &mut Sketch, edge: f64) {
     let edge = edge as u32;
     plates(sketch, 0.5, 0.5);
@@ -72,17 +79,6 @@ fn coarse_frame(sketch: &mut Sketch, edge: f64) {
         sketch.towards(DVec3::ZERO, target);
     }
 }
-
-pub(super) const WIDE_FRAME: Case = Case {
-    name: "wide-frame",
-    summary: "plates through ever wider and lower frames, to a single row; rays through pixel centres",
-    difficulty_parameter: turned("width", "heights", &[1.0, 8.0, 64.0, 512.0, 4096.0]),
-    seed: 17,
-    make: wide_frame,
-    feature: Feature::of("hit something in a frame of one row", 0.2, |probe, index| {
-        probe.hit(index).is_some() && probe.view().size[1] == 1
-    }),
-};
 
 fn wide_frame(sketch: &mut Sketch, aspect: f64) {
     let frame = match aspect as u32 {
@@ -99,17 +95,6 @@ fn wide_frame(sketch: &mut Sketch, aspect: f64) {
     sketch.camera = Camera { frame, face: 64, vertical_fov, ..Camera::default() };
 }
 
-pub(super) const SURFACE_STARTS: Case = Case {
-    name: "surface-starts",
-    summary: "rays that start ever closer above a floor, before a wall, in any direction off it",
-    difficulty_parameter: turned("lift", "diagonals", &[0.01, 1e-3, 1e-4, 1e-5, 2e-6]),
-    seed: 18,
-    make: surface_starts,
-    feature: Feature::of("start within a hundred thousandth of a diagonal from the floor", 0.9, |probe, index| {
-        (probe.ray(index).origin.y + 1.0).abs() < 1e-5 * probe.truth.diagonal()
-    }),
-};
-
 fn surface_starts(sketch: &mut Sketch, lift: f64) {
     sketch.plate(dvec3(-2.0, -1.0, -1.0), DVec3::X * 4.0, DVec3::NEG_Z * 4.0);
     sketch.plate(dvec3(-2.0, -1.0, -5.0), DVec3::X * 4.0, DVec3::Y * 2.5);
@@ -120,20 +105,6 @@ fn surface_starts(sketch: &mut Sketch, lift: f64) {
         sketch.towards(origin, origin + dvec3(direction.x, direction.y.abs(), direction.z));
     }
 }
-
-pub(super) const CELL_BORDERS: Case = Case {
-    name: "cell-borders",
-    summary: "rays whose image runs along a border between pixel columns or rows, ever closer to it",
-    difficulty_parameter: turned("off the border", "pixels", &[0.4, 0.1, 0.01, 1e-3, 0.0]),
-    seed: 19,
-    make: cell_borders,
-    feature: Feature::of("start on a border", 0.9, |probe, index| {
-        probe
-            .view()
-            .project(probe.ray(index).origin)
-            .is_some_and(|at| (at.x - at.x.round()).abs() < 1e-3 || (at.y - at.y.round()).abs() < 1e-3)
-    }),
-};
 
 fn cell_borders(sketch: &mut Sketch, off: f64) {
     // A wall square to the view that fills half of it.
@@ -150,19 +121,6 @@ fn cell_borders(sketch: &mut Sketch, off: f64) {
         sketch.towards(on(along) * start, on(end) * 4.0);
     }
 }
-
-pub(super) const FACE_CELL_BORDERS: Case = Case {
-    name: "face-cell-borders",
-    summary: "the same along borders between pairs of pixels of a cube face whose centre is pulled back by near",
-    difficulty_parameter: turned("off the border", "pixels", &[0.8, 0.1, 0.01, 1e-3, 0.0]),
-    seed: 21,
-    make: face_cell_borders,
-    feature: Feature::of("start on a border", 0.9, |probe, index| {
-        let on_border = |at: f64| (at / 2.0 - (at / 2.0).round()).abs() < 5e-4;
-        let at = forward_face(&probe.setup.viewpoint).project(probe.ray(index).origin);
-        at.is_some_and(|at| on_border(at.x) || on_border(at.y))
-    }),
-};
 
 /// The face that looks along -z, as image-space methods with pulled-back centres have it (VVP16, section 3.2).
 fn forward_face(viewpoint: &Viewpoint) -> View {
@@ -187,20 +145,6 @@ fn face_cell_borders(sketch: &mut Sketch, off: f64) {
         sketch.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
     }
 }
-
-pub(super) const VIEW_CENTRE: Case = Case {
-    name: "through-view-centre",
-    summary: "rays from behind that pass ever closer by the eye and go on into the view, to a torn sphere",
-    difficulty_parameter: turned("distance from the eye", "diagonals", &[0.02, 0.005, 1e-3, 1e-5, 0.0]),
-    seed: 20,
-    make: view_centre,
-    feature: Feature::of("pass the eye within a millionth of the diagonal", 0.9, |probe, index| {
-        let ray = probe.ray(index);
-        let offset = probe.view().eye - ray.origin;
-        let aside = offset - ray.direction * offset.dot(ray.direction);
-        aside.length() < 1e-6 * probe.truth.diagonal()
-    }),
-};
 
 fn view_centre(sketch: &mut Sketch, distance: f64) {
     sketch.sphere(DVec3::ZERO, 2.0, 8, |numbers| numbers.unit() < 0.7);

@@ -3,23 +3,18 @@
 use glam::{DQuat, DVec3, Vec3, dvec3};
 use tracebench_api::Query;
 
+use super::Drawn;
 use super::sketch::{Camera, RAYS, Sketch};
-use super::{Case, Feature, turned};
+
+pub(super) const DRAWN: &[Drawn] = &[
+    ("thin-walls", thin_walls, |probe, index| probe.surfaces(index, 0.2 * VOXEL_EDGE, 2) == 2),
+    ("long-scene", long_scene, |probe, index| {
+        probe.triangle(index).is_some_and(|(longest, _)| longest < VOXEL_EDGE * probe.truth.diagonal())
+    }),
+];
 
 /// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
 pub(super) const VOXEL_EDGE: f64 = 1.0 / 64.0;
-
-pub(super) const THIN_WALLS: Case = Case {
-    name: "thin-walls",
-    summary: "a closed room whose walls are ever thinner than a voxel of a 64-cubed grid; any hit is asked between its inside and \
-              what lies outside",
-    difficulty_parameter: turned("wall", "64ths of the scene", &[4.0, 1.0, 0.25, 0.06, 0.015]),
-    seed: 28,
-    make: thin_walls,
-    feature: Feature::of("meet both sides of a wall within a fifth of a voxel", 0.5, |probe, index| {
-        probe.surfaces(index, 0.2 * VOXEL_EDGE, 2) == 2
-    }),
-};
 
 fn thin_walls(sketch: &mut Sketch, wall: f64) {
     /// Half of the room's edge: it fills what its turn leaves it of the scene.
@@ -44,17 +39,6 @@ fn thin_walls(sketch: &mut Sketch, wall: f64) {
     }
     sketch.query = Query::Any;
 }
-
-pub(super) const LONG_SCENE: Case = Case {
-    name: "long-scene",
-    summary: "blocks along a passage, at last a hundred times as long as it is wide, seen from its end",
-    difficulty_parameter: turned("length", "widths", &[1.0, 4.0, 16.0, 50.0, 100.0]),
-    seed: 29,
-    make: long_scene,
-    feature: Feature::of("hit a block smaller than a 64th of the scene's diagonal", 0.2, |probe, index| {
-        probe.triangle(index).is_some_and(|(longest, _)| longest < VOXEL_EDGE * probe.truth.diagonal())
-    }),
-};
 
 fn long_scene(sketch: &mut Sketch, length: f64) {
     /// Blocks stand apart in so many columns, rows and slices a width.

@@ -3,20 +3,18 @@
 use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::Query;
 
+use super::Drawn;
 use super::grids::VOXEL_EDGE;
 use super::sketch::{Camera, PIXEL, RAYS, Sketch};
-use super::{Case, Feature, turned};
 
-pub(super) const VOXEL: Case = Case {
-    name: "voxel-stack",
-    summary: "stacks of plates in single voxels of a 64-cubed grid; rays from all around",
-    difficulty_parameter: turned("surfaces", "a voxel", &[1.0, 2.0, 4.0, 8.0, 32.0]),
-    seed: 5,
-    make: voxel,
-    feature: Feature::of("meet four surfaces within a voxel", 0.2, |probe, index| {
-        probe.surfaces(index, 2.0 * VOXEL_EDGE, 4) == 4
+pub(super) const DRAWN: &[Drawn] = &[
+    ("voxel-stack", voxel, |probe, index| probe.surfaces(index, 2.0 * VOXEL_EDGE, 4) == 4),
+    ("equal-triangles", equal_triangles, |probe, index| {
+        probe.hit(index).is_some() && probe.truth.geometry().triangles.len() > 1000
     }),
-};
+    ("stacked-layers", layers, |probe, index| probe.surfaces(index, 10.0, 100) == 100),
+    ("crowded-pixel", crowd, |probe, index| probe.is_thinner(index, 0.05)),
+];
 
 fn voxel(sketch: &mut Sketch, surfaces: f64) {
     const STACKS: usize = 24;
@@ -49,17 +47,6 @@ fn voxel(sketch: &mut Sketch, surfaces: f64) {
     }
 }
 
-pub(super) const EQUAL_TRIANGLES: Case = Case {
-    name: "equal-triangles",
-    summary: "one triangle thousands of times over: hierarchies over equal boxes grow deep, lists long",
-    difficulty_parameter: turned("copies", "", &[16.0, 256.0, 1024.0, 4096.0]),
-    seed: 22,
-    make: equal_triangles,
-    feature: Feature::of("hit a triangle of which there are thousands", 0.2, |probe, index| {
-        probe.hit(index).is_some() && probe.truth.geometry().triangles.len() > 1000
-    }),
-};
-
 fn equal_triangles(sketch: &mut Sketch, copies: f64) {
     for _ in 0..copies as u32 {
         sketch.triangle([[-1.0, -1.0, -3.0], [1.4, -0.8, -3.2], [0.1, 1.3, -2.7]].map(DVec3::from));
@@ -67,15 +54,6 @@ fn equal_triangles(sketch: &mut Sketch, copies: f64) {
     // Every ray is tested against every copy, several times over for its truth.
     sketch.through_centres(RAYS / 2);
 }
-
-pub(super) const LAYERS: Case = Case {
-    name: "stacked-layers",
-    summary: "plates one behind another in the same pixels; half of the rays start among them",
-    difficulty_parameter: turned("layers", "a pixel", &[1.0, 4.0, 32.0, 256.0, 2048.0]),
-    seed: 23,
-    make: layers,
-    feature: Feature::of("meet a hundred layers", 0.2, |probe, index| probe.surfaces(index, 10.0, 100) == 100),
-};
 
 fn layers(sketch: &mut Sketch, layers: f64) {
     for layer in 0..layers as u32 {
@@ -89,18 +67,6 @@ fn layers(sketch: &mut Sketch, layers: f64) {
         sketch.towards(origin, origin + dvec3(direction.x * 0.3, direction.y * 0.3, direction.z));
     }
 }
-
-pub(super) const CROWD: Case = Case {
-    name: "crowded-pixel",
-    summary: "a cloud of tiny triangles within one pixel and one voxel; any hit is asked",
-    difficulty_parameter: turned("triangles", "", &[8.0, 64.0, 512.0, 4096.0]),
-    seed: 24,
-    make: crowd,
-    feature: Feature::of("meet something less than a twentieth of a pixel wide", 0.3, |probe, index| {
-        let triangle = probe.triangle(index).zip(probe.point(index));
-        triangle.is_some_and(|((_, least), point)| least < 0.05 * probe.pixel(point))
-    }),
-};
 
 fn crowd(sketch: &mut Sketch, triangles: f64) {
     // The middle of a pixel of the default camera at depth 4, a hundredth of a voxel of a scene this wide.

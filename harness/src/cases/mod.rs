@@ -1,6 +1,6 @@
 //! Minimal scenes with one difficulty each and a difficulty parameter for its strength.
 //!
-//! A case is data: [`CASES`] has all of them.
+//! What is told of a case is data, `cases.json`; how it is drawn, and what of its rays shows the difficulty, is in a module of its kind.
 
 mod eye;
 mod frames;
@@ -13,25 +13,16 @@ mod sketch;
 mod small;
 mod surfaces;
 
+use std::sync::LazyLock;
+
+use serde::Deserialize;
 use tracebench_api::{Geometry, Query, Ray, Viewpoint};
 
 pub use probe::Probe;
 use sketch::Sketch;
 
-/// What makes a case harder.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DifficultyParameter {
-    /// What is turned.
-    pub name: &'static str,
-    /// Unit; empty for counts and ratios.
-    pub unit: &'static str,
-    /// Its values from harmless to hard, rising or falling.
-    pub values: &'static [f64],
-}
-
-const fn turned(name: &'static str, unit: &'static str, values: &'static [f64]) -> DifficultyParameter {
-    DifficultyParameter { name, unit, values }
-}
+use crate::registrations::embedded;
+use crate::results::DifficultyParameterRecord;
 
 /// A difficulty parameter's name with its unit, if it has one.
 pub(crate) fn label(name: &str, unit: &str) -> String {
@@ -50,89 +41,58 @@ pub struct Setup {
     pub query: Query,
 }
 
-/// What a share of the rays must have at the hardest strength: else the case would measure nothing.
-#[derive(Clone, Copy)]
-pub struct Feature {
-    /// What, in words.
-    pub what: &'static str,
-    /// Least share of all rays.
-    pub least: f64,
-    /// Whether a ray has it.
-    pub has: fn(&Probe<'_>, usize) -> bool,
-}
-
-impl Feature {
-    const fn of(what: &'static str, least: f64, has: fn(&Probe<'_>, usize) -> bool) -> Self {
-        Self { what, least, has }
-    }
-}
-
-/// A minimal scene with one difficulty.
-#[derive(Clone, Copy)]
+/// A minimal scene with one difficulty: an entry of `cases.json`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Case {
     /// Stable name.
     pub name: &'static str,
     /// What it is, in one line.
     pub summary: &'static str,
     /// What makes it harder.
-    pub difficulty_parameter: DifficultyParameter,
+    pub difficulty_parameter: DifficultyParameterRecord,
     /// What tells its random numbers from those of other cases.
     seed: u64,
-    /// Draws it at a value of the difficulty parameter.
-    make: fn(&mut Sketch, f64),
-    /// What shows the difficulty.
-    pub feature: Feature,
+    /// What rays must have to show the difficulty, in words.
+    pub feature: &'static str,
+    /// Least share of all rays that must have it at the hardest strength: else the case would measure nothing.
+    pub min_featured: f64,
 }
 
+/// A case by name: how it is drawn at a value of its difficulty parameter, and whether a ray has its feature.
+type Drawn = (&'static str, fn(&mut Sketch, f64), fn(&Probe<'_>, usize) -> bool);
+
+static DRAWN: [&[Drawn]; 8] = [
+    eye::DRAWN,
+    frames::DRAWN,
+    grids::DRAWN,
+    many::DRAWN,
+    reported::DRAWN,
+    screen::DRAWN,
+    small::DRAWN,
+    surfaces::DRAWN,
+];
+
 impl Case {
+    fn drawn(&self) -> &'static Drawn {
+        DRAWN.into_iter().flatten().find(|(name, ..)| *name == self.name).expect("tests draw every case")
+    }
+
     /// The scene at a value of the difficulty parameter.
     pub fn setup(&self, value: f64) -> Setup {
         let mut sketch = Sketch::new(self.seed);
-        (self.make)(&mut sketch, value);
+        self.drawn().1(&mut sketch, value);
         sketch.setup()
+    }
+
+    /// Whether a ray has the feature.
+    pub fn shows(&self, probe: &Probe<'_>, ray: usize) -> bool {
+        self.drawn().2(probe, ray)
     }
 }
 
 /// Every case, in the order of tables.
-pub const CASES: &[Case] = &[
-    surfaces::EDGE_ON,
-    small::WIRES,
-    small::LEAVES,
-    surfaces::SHEETS,
-    many::VOXEL,
-    surfaces::OPEN_MESH,
-    surfaces::HUGE,
-    surfaces::NEEDLES,
-    surfaces::COPLANAR,
-    eye::INSIDE,
-    eye::ON_SURFACE,
-    eye::PLANE_THROUGH_EYE,
-    eye::AT_VERTEX,
-    eye::BEFORE_NEAR,
-    frames::CUBE_BORDERS,
-    eye::DEPTH_RANGE,
-    eye::SECONDARY_DEPTH_RATIO,
-    frames::COARSE_FRAME,
-    frames::WIDE_FRAME,
-    frames::SURFACE_STARTS,
-    frames::CELL_BORDERS,
-    frames::FACE_CELL_BORDERS,
-    frames::VIEW_CENTRE,
-    surfaces::FLAT_TILE,
-    many::EQUAL_TRIANGLES,
-    many::LAYERS,
-    many::CROWD,
-    grids::THIN_WALLS,
-    grids::LONG_SCENE,
-    screen::BEHIND_FOREGROUND,
-    screen::TOWARDS_CAMERA,
-    screen::FOREGROUND_IN_CELL,
-    screen::LONG_RAYS,
-    screen::AWAY_FROM_CAMERA,
-    reported::HALF_RESOLUTION,
-    reported::FIELD_OF_VIEW,
-    reported::OFF_ORIGIN,
-];
+pub static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| embedded(include_str!("cases.json")));
 
 /// Finds a case by name.
 pub fn find(name: &str) -> Option<&'static Case> {

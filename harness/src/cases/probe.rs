@@ -50,6 +50,12 @@ impl Probe<'_> {
         Some((longest, (b - a).cross(c - a).length() / longest))
     }
 
+    /// Whether what a ray hits is less than so many of the frame's pixels wide.
+    pub fn is_thinner(&self, index: usize, pixels: f64) -> bool {
+        let triangle = self.triangle(index).zip(self.point(index));
+        triangle.is_some_and(|((_, least), point)| least < pixels * self.pixel(point))
+    }
+
     /// Surfaces along a ray from its first hit on, over a length in scene units; counted up to `most`.
     pub fn surfaces(&self, index: usize, length: f64, most: usize) -> usize {
         let Some(first) = self.hit(index) else { return 0 };

@@ -3,25 +3,27 @@
 use glam::{DVec3, Vec3, dvec3};
 use tracebench_api::Viewpoint;
 
+use super::Drawn;
 use super::sketch::{Camera, PIXEL, RAYS, Sketch};
-use super::{Case, Feature, turned};
 use crate::truth::Ray64;
 
-pub(super) const HALF_RESOLUTION: Case = Case {
-    name: "half-resolution",
-    summary: "borders of plates before a wall in a frame with a half, a fourth, an eighth of the ray image's pixels along each edge; rays \
-              through that image's pixel centres within six pixels of a border",
-    difficulty_parameter: turned("edge of the frame's pixels", "ray pixels", &[1.0, 2.0, 4.0, 8.0]),
-    seed: 35,
-    make: half_resolution,
-    feature: Feature::of("meet another plate than the centre of their frame's pixel shows", 0.15, |probe, index| {
+pub(super) const DRAWN: &[Drawn] = &[
+    ("half-resolution", half_resolution, |probe, index| {
         let (view, ray) = (probe.view(), probe.ray(index));
         let Some(at) = view.project(ray.at(1.0)) else { return false };
         let direction = view.direction_through(at.x.floor() + 0.5, at.y.floor() + 0.5);
         let sampled = probe.truth.closest(&Ray64 { direction, ..ray });
         sampled.map(|hit| hit.primitive / 2) != probe.hit(index).map(|hit| hit.primitive / 2)
     }),
-};
+    ("field-of-view", field_of_view, |probe, index| {
+        let view = probe.view();
+        let cosine = |point: DVec3| (point - view.eye).normalize().dot(view.forward);
+        probe.point(index).is_some_and(|point| cosine(point) < 75.0_f64.to_radians().cos())
+    }),
+    ("off-origin", off_origin, |probe, index| {
+        probe.point(index).is_some_and(|point| point.length() > 50.0 * probe.truth.diagonal())
+    }),
+];
 
 fn half_resolution(sketch: &mut Sketch, edge: f64) {
     const RAY_IMAGE: u32 = 256;
@@ -52,21 +54,10 @@ fn half_resolution(sketch: &mut Sketch, edge: f64) {
     }
 }
 
-pub(super) const FIELD_OF_VIEW: Case = Case {
-    name: "field-of-view",
-    summary: "plates side by side over views from a telescope's to nearly a half space; half of the rays start before the plates",
-    difficulty_parameter: turned("field of view", "degrees", &[1.0, 10.0, 60.0, 120.0, 150.0, 170.0]),
-    seed: 36,
-    make: |sketch, degrees| {
-        sketch.camera.vertical_fov = degrees.to_radians() as f32;
-        side_by_side(sketch);
-    },
-    feature: Feature::of("hit at more than 75 degrees from the view's axis", 0.3, |probe, index| {
-        let view = probe.view();
-        let cosine = |point: DVec3| (point - view.eye).normalize().dot(view.forward);
-        probe.point(index).is_some_and(|point| cosine(point) < 75.0_f64.to_radians().cos())
-    }),
-};
+fn field_of_view(sketch: &mut Sketch, degrees: f64) {
+    sketch.camera.vertical_fov = degrees.to_radians() as f32;
+    side_by_side(sketch);
+}
 
 /// Plates, one a cell of the image, none before another; rays of which half go through pixel centres, half from before all plates onto one
 /// or between two, with an image that stays near.
@@ -101,19 +92,8 @@ fn side_by_side(sketch: &mut Sketch) {
     }
 }
 
-pub(super) const OFF_ORIGIN: Case = Case {
-    name: "off-origin",
-    summary: "plates side by side, the eye and the rays, all moved ever farther from the coordinates' origin",
-    difficulty_parameter: turned("distance from the origin", "diagonals", &[1.0, 3.0, 10.0, 30.0, 100.0]),
-    seed: 37,
-    make: off_origin,
-    feature: Feature::of("hit at more than 50 diagonals from the origin", 0.3, |probe, index| {
-        probe.point(index).is_some_and(|point| point.length() > 50.0 * probe.truth.diagonal())
-    }),
-};
-
 fn off_origin(sketch: &mut Sketch, distance: f64) {
-    let mut at_origin = Sketch::new(OFF_ORIGIN.seed);
+    let mut at_origin = Sketch::new(sketch.seed);
     side_by_side(&mut at_origin);
     let eye = (dvec3(0.48, -0.6, 0.64) * distance * at_origin.diagonal()).as_vec3();
     sketch.camera = Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() };

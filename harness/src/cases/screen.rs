@@ -4,24 +4,42 @@
 use glam::{DVec3, dvec3};
 
 use super::sketch::{Camera, PIXEL, RAYS, Sketch};
-use super::{Case, Feature, turned};
+use super::{Drawn, Probe};
 use crate::truth::Ray64;
 
-/// Eye depth of the plate that floats before rays.
-const FLOATING: f64 = 2.0;
-
-pub(super) const BEHIND_FOREGROUND: Case = Case {
-    name: "behind-foreground",
-    summary: "a thin plate floats in the view; three quarters of the rays pass behind it, ever closer, the others hit its front",
-    difficulty_parameter: turned("gap", "diagonals", &[0.1, 0.03, 0.01, 0.003, 0.001]),
-    seed: 30,
-    make: behind_foreground,
-    feature: Feature::of("pass behind the plate within 0.0015 diagonals", 0.6, |probe, index| {
+pub(super) const DRAWN: &[Drawn] = &[
+    ("behind-foreground", behind_foreground, |probe, index| {
         let ray = probe.ray(index);
         let gap = -FLOATING - ray.at(-ray.origin.x / ray.direction.x).z;
         probe.hit(index).is_none() && gap > 0.0 && gap < 0.0015 * probe.truth.diagonal()
     }),
-};
+    (
+        "towards-camera",
+        |sketch, angle| near_line_of_sight(sketch, angle, 1.0, [2.5, 1.0, 1.2]),
+        |probe, index| cosine_to_eye(probe, index).is_some_and(|cosine| cosine > 1.0_f64.to_radians().cos()),
+    ),
+    (
+        "away-from-camera",
+        |sketch, angle| near_line_of_sight(sketch, angle, -1.0, [4.0, 0.5, 2.5]),
+        |probe, index| cosine_to_eye(probe, index).is_some_and(|cosine| -cosine > 0.2_f64.to_radians().cos()),
+    ),
+    ("foreground-in-cell", foreground_in_cell, |probe, index| {
+        let view = probe.view();
+        let point = probe.ray(index).at(0.3);
+        let Some(at) = view.project(point) else { return false };
+        let direction = view.direction_through(at.x - 1.5, at.y);
+        let beside = Ray64 { origin: view.eye, direction, t_min: view.near, t_max: 0.6 * at.depth };
+        probe.truth.closest(&beside).is_some()
+    }),
+    ("long-rays", long_rays, |probe, index| {
+        let view = probe.view();
+        let ends = view.project(probe.ray(index).origin).zip(probe.point(index).and_then(|point| view.project(point)));
+        ends.is_some_and(|(begin, end)| (end.x - begin.x).abs() > 4096.0)
+    }),
+];
+
+/// Eye depth of the plate that floats before rays.
+const FLOATING: f64 = 2.0;
 
 fn behind_foreground(sketch: &mut Sketch, gap: f64) {
     const HALF_WIDTH: f64 = 0.15;
@@ -43,33 +61,11 @@ fn behind_foreground(sketch: &mut Sketch, gap: f64) {
     }
 }
 
-pub(super) const TOWARDS_CAMERA: Case = Case {
-    name: "towards-camera",
-    summary: "rays from behind onto a slanted plate, ever closer to the way to the eye, which shows them less of their way",
-    difficulty_parameter: turned("angle to the eye", "degrees", &[60.0, 30.0, 10.0, 3.0, 0.5]),
-    seed: 31,
-    make: |sketch, angle| near_line_of_sight(sketch, angle, 1.0, [2.5, 1.0, 1.2]),
-    feature: Feature::of("hit within a degree of the way to the eye", 0.5, |probe, index| {
-        probe.point(index).is_some_and(|point| {
-            let to_eye = (probe.view().eye - point).normalize();
-            probe.ray(index).direction.dot(to_eye) > 1.0_f64.to_radians().cos()
-        })
-    }),
-};
-
-pub(super) const AWAY_FROM_CAMERA: Case = Case {
-    name: "away-from-camera",
-    summary: "rays from before onto a slanted plate, ever closer to the view's axis through their hit: all of their way lies on a few pixels",
-    difficulty_parameter: turned("angle to the view axis", "degrees", &[20.0, 5.0, 1.0, 0.3, 0.1]),
-    seed: 34,
-    make: |sketch, angle| near_line_of_sight(sketch, angle, -1.0, [4.0, 0.5, 2.5]),
-    feature: Feature::of("hit within a fifth of a degree of the way from the eye", 0.5, |probe, index| {
-        probe.point(index).is_some_and(|point| {
-            let from_eye = (point - probe.view().eye).normalize();
-            probe.ray(index).direction.dot(from_eye) > 0.2_f64.to_radians().cos()
-        })
-    }),
-};
+/// Of the angle between a ray and the way from its hit to the eye.
+fn cosine_to_eye(probe: &Probe<'_>, index: usize) -> Option<f64> {
+    let to_eye = |point: DVec3| (probe.view().eye - point).normalize();
+    probe.point(index).map(|point| probe.ray(index).direction.dot(to_eye(point)))
+}
 
 /// Rays onto a plate at a depth, of a size and from so far away, at an angle to the way to the eye (`sign` 1) or from it (-1).
 fn near_line_of_sight(sketch: &mut Sketch, angle: f64, sign: f64, [depth, size, length]: [f64; 3]) {
@@ -95,23 +91,6 @@ fn near_line_of_sight(sketch: &mut Sketch, angle: f64, sign: f64, [depth, size, 
 /// A post's right border, columns of the default frame: odd, so that the first cell of a pyramid has pixels of both its sides.
 const POST_BORDER: f64 = 141.0;
 
-pub(super) const FOREGROUND_IN_CELL: Case = Case {
-    name: "foreground-in-cell",
-    summary: "a post stands far before rays that pass it in the image, ever closer: coarse cells of the image hold both; half of the \
-              rays hit the wall behind, half nothing",
-    difficulty_parameter: turned("between post and ray", "pixels", &[48.0, 16.0, 4.0, 1.0, 0.5]),
-    seed: 32,
-    make: foreground_in_cell,
-    feature: Feature::of("have the post within a pixel and a half on the image", 0.9, |probe, index| {
-        let view = probe.view();
-        let point = probe.ray(index).at(0.3);
-        let Some(at) = view.project(point) else { return false };
-        let direction = view.direction_through(at.x - 1.5, at.y);
-        let beside = Ray64 { origin: view.eye, direction, t_min: view.near, t_max: 0.6 * at.depth };
-        probe.truth.closest(&beside).is_some()
-    }),
-};
-
 fn foreground_in_cell(sketch: &mut Sketch, pixels: f64) {
     let column = |at: f64| (at - 128.0) * PIXEL;
     sketch.plate(dvec3(column(POST_BORDER - 28.0), -0.45, -1.0), DVec3::X * (28.0 * PIXEL), DVec3::Y * 0.9);
@@ -127,19 +106,6 @@ fn foreground_in_cell(sketch: &mut Sketch, pixels: f64) {
 
 /// Of long ways, pixels.
 const LONG_FRAME: [u32; 2] = [6144, 24];
-
-pub(super) const LONG_RAYS: Case = Case {
-    name: "long-rays",
-    summary: "rays whose way on the image to a post is ever longer, at last longer than every budget of steps",
-    difficulty_parameter: turned("length", "pixels", &[64.0, 200.0, 500.0, 2000.0, 5000.0]),
-    seed: 33,
-    make: long_rays,
-    feature: Feature::of("cross more than 4096 pixels before they hit", 0.5, |probe, index| {
-        let view = probe.view();
-        let ends = view.project(probe.ray(index).origin).zip(probe.point(index).and_then(|point| view.project(point)));
-        ends.is_some_and(|(begin, end)| (end.x - begin.x).abs() > 4096.0)
-    }),
-};
 
 fn long_rays(sketch: &mut Sketch, length: f64) {
     const DEPTH: f64 = 2.0;

@@ -15,6 +15,8 @@ pub(super) struct Sketch {
     pub(super) camera: Camera,
     /// What is asked of the rays.
     pub(super) query: Query,
+    /// What tells the cases' numbers apart.
+    pub(super) seed: u64,
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     rays: Vec<Ray>,
@@ -22,10 +24,10 @@ pub(super) struct Sketch {
 }
 
 impl Sketch {
-    /// Nothing, seen by the default camera. `seed` tells the cases' numbers apart.
+    /// Nothing, seen by the default camera.
     pub(super) fn new(seed: u64) -> Self {
         let (camera, query, numbers) = (Camera::default(), Query::Closest, Stream::new(1, 0x100, seed));
-        Self { camera, query, positions: Vec::new(), triangles: Vec::new(), rays: Vec::new(), numbers }
+        Self { camera, query, seed, positions: Vec::new(), triangles: Vec::new(), rays: Vec::new(), numbers }
     }
 
     pub(super) fn triangle(&mut self, corners: [DVec3; 3]) {

@@ -2,25 +2,16 @@
 
 use glam::{DVec3, dvec3};
 
+use super::Drawn;
 use super::sketch::{PIXEL, RAYS, Sketch};
-use super::{Case, Feature, Probe, turned};
+
+pub(super) const DRAWN: &[Drawn] = &[
+    ("wires", wires, |probe, index| probe.is_thinner(index, 0.5)),
+    ("leaves", leaves, |probe, index| probe.is_thinner(index, 0.5)),
+];
 
 /// Depth at which small things stand.
 const DEPTH: f64 = 4.0;
-
-fn below_a_pixel(probe: &Probe<'_>, index: usize) -> bool {
-    let triangle = probe.triangle(index).zip(probe.point(index));
-    triangle.is_some_and(|((_, least), point)| least < 0.5 * probe.pixel(point))
-}
-
-pub(super) const WIRES: Case = Case {
-    name: "wires",
-    summary: "slanted strips ever thinner than a pixel; rays from the eye between the frame's pixel centres",
-    difficulty_parameter: turned("width", "pixels", &[4.0, 2.0, 1.0, 0.5, 0.2, 0.02]),
-    seed: 2,
-    make: wires,
-    feature: Feature::of("hit something thinner than half a pixel", 0.3, below_a_pixel),
-};
 
 fn wires(sketch: &mut Sketch, width: f64) {
     const WIRES: u32 = 20;
@@ -38,15 +29,6 @@ fn wires(sketch: &mut Sketch, width: f64) {
         sketch.towards(DVec3::ZERO, target);
     }
 }
-
-pub(super) const LEAVES: Case = Case {
-    name: "leaves",
-    summary: "triangles scattered in any pose, ever smaller than a pixel; half of the rays aim at one",
-    difficulty_parameter: turned("edge", "pixels", &[16.0, 4.0, 1.0, 0.5, 0.1]),
-    seed: 3,
-    make: leaves,
-    feature: Feature::of("hit something smaller than half a pixel", 0.3, below_a_pixel),
-};
 
 fn leaves(sketch: &mut Sketch, edge: f64) {
     let edge = edge * PIXEL * DEPTH;

@@ -2,22 +2,40 @@
 
 use glam::{DVec3, Vec3, dvec3};
 
+use super::Drawn;
 use super::sketch::{Camera, RAYS, Sketch};
-use super::{Case, Feature, turned};
 
-pub(super) const EDGE_ON: Case = Case {
-    name: "edge-on",
-    summary: "a plate turned until it lies along the line of sight; rays cross it from the side",
-    difficulty_parameter: turned("slant", "degrees", &[45.0, 80.0, 87.0, 89.0, 89.8, 89.98]),
-    seed: 1,
-    make: edge_on,
-    feature: Feature::of("hit a surface seen at less than a degree", 0.3, |probe, index| {
+pub(super) const DRAWN: &[Drawn] = &[
+    ("edge-on", edge_on, |probe, index| {
         probe.hit(index).zip(probe.point(index)).is_some_and(|(hit, point)| {
             let sampling_model = (point - probe.view().eye).normalize();
             probe.truth.normal(hit.primitive).dot(sampling_model).abs() < 0.017
         })
     }),
-};
+    ("close-sheets", sheets, |probe, index| {
+        let close = 1e-3 * probe.truth.diagonal();
+        probe.hit(index).is_some_and(|hit| hit.t < close) || probe.surfaces(index, close, 2) == 2
+    }),
+    (
+        "open-mesh",
+        |sketch, missing| sketch.sphere(SPHERE, 1.2, 6, |numbers| numbers.unit() >= missing),
+        |probe, index| probe.point(index).is_some_and(|point| (point - SPHERE).dot(probe.ray(index).direction) > 0.0),
+    ),
+    ("huge-triangle", huge, |probe, index| {
+        probe.hit(index).zip(probe.triangle(index)).is_some_and(|(hit, (longest, _))| longest > 1e3 * hit.t)
+    }),
+    ("needles", needles, |probe, index| probe.triangle(index).is_some_and(|(longest, least)| longest > 1e3 * least)),
+    ("coplanar-copies", coplanar, |probe, index| {
+        let geometry = probe.truth.geometry();
+        probe.hit(index).is_some_and(|hit| {
+            let same = |other: &u32| geometry.corners(*other) == geometry.corners(hit.primitive);
+            (0..geometry.triangles.len() as u32).filter(same).count() > 100
+        })
+    }),
+    ("flat-tile", flat_tile, |probe, index| {
+        probe.point(index).is_some_and(|point| point.z == -3.0 || (point.z + 3.0).abs() < 1e-6)
+    }),
+];
 
 fn edge_on(sketch: &mut Sketch, slant: f64) {
     let centre = dvec3(0.0, 0.0, -4.0);
@@ -32,22 +50,6 @@ fn edge_on(sketch: &mut Sketch, slant: f64) {
         sketch.towards(origin, target);
     }
 }
-
-pub(super) const SHEETS: Case = Case {
-    name: "close-sheets",
-    summary: "two parallel sheets ever closer together; half of the rays start midway between them",
-    difficulty_parameter: turned("gap", "diagonals", &[0.1, 0.01, 1e-3, 1e-4, 2e-5]),
-    seed: 4,
-    make: sheets,
-    feature: Feature::of(
-        "hit a sheet with the other one closer than a thousandth of the diagonal",
-        0.4,
-        |probe, index| {
-            probe.hit(index).is_some_and(|hit| hit.t < 1e-3 * probe.truth.diagonal())
-                || probe.surfaces(index, 1e-3 * probe.truth.diagonal(), 2) == 2
-        },
-    ),
-};
 
 fn sheets(sketch: &mut Sketch, gap: f64) {
     let gap = gap * 8.0_f64.sqrt();
@@ -71,29 +73,7 @@ fn sheets(sketch: &mut Sketch, gap: f64) {
     }
 }
 
-pub(super) const OPEN_MESH: Case = Case {
-    name: "open-mesh",
-    summary: "a sphere with triangles missing, seen through its holes: insides show, nothing is closed",
-    difficulty_parameter: turned("missing", "share of triangles", &[0.05, 0.1, 0.25, 0.4, 0.6]),
-    seed: 6,
-    make: |sketch, missing| sketch.sphere(SPHERE, 1.2, 6, |numbers| numbers.unit() >= missing),
-    feature: Feature::of("hit the sphere from its inside", 0.1, |probe, index| {
-        probe.point(index).is_some_and(|point| (point - SPHERE).dot(probe.ray(index).direction) > 0.0)
-    }),
-};
-
 const SPHERE: DVec3 = dvec3(0.0, 0.0, -2.6);
-
-pub(super) const HUGE: Case = Case {
-    name: "huge-triangle",
-    summary: "small pyramids on a floor of one triangle that is ever larger than what is seen of it",
-    difficulty_parameter: turned("edge", "eye heights", &[10.0, 100.0, 1e3, 1e4, 1e5]),
-    seed: 7,
-    make: huge,
-    feature: Feature::of("hit a triangle a thousand times as large as it is far", 0.2, |probe, index| {
-        probe.hit(index).zip(probe.triangle(index)).is_some_and(|(hit, (longest, _))| longest > 1e3 * hit.t)
-    }),
-};
 
 fn huge(sketch: &mut Sketch, edge: f64) {
     let floor = dvec3(0.013, -1.0, -0.027);
@@ -108,17 +88,6 @@ fn huge(sketch: &mut Sketch, edge: f64) {
     }
     sketch.camera = Camera { target: Vec3::new(0.0, -0.3, -1.0), near: Some(0.01), ..Camera::default() };
 }
-
-pub(super) const NEEDLES: Case = Case {
-    name: "needles",
-    summary: "a plate cut into ever thinner triangles; every other ray aims at an edge between two of them",
-    difficulty_parameter: turned("length", "widths", &[8.0, 32.0, 128.0, 1024.0, 8192.0]),
-    seed: 8,
-    make: needles,
-    feature: Feature::of("hit a triangle a thousand times as long as wide", 0.5, |probe, index| {
-        probe.triangle(index).is_some_and(|(longest, least)| longest > 1e3 * least)
-    }),
-};
 
 fn needles(sketch: &mut Sketch, length: f64) {
     let corner = dvec3(-1.05, -0.95, -4.0);
@@ -142,35 +111,11 @@ fn needles(sketch: &mut Sketch, length: f64) {
     }
 }
 
-pub(super) const COPLANAR: Case = Case {
-    name: "coplanar-copies",
-    summary: "the same plate many times over in one plane",
-    difficulty_parameter: turned("copies", "", &[1.0, 2.0, 4.0, 16.0, 64.0, 256.0]),
-    seed: 9,
-    make: |sketch, copies| {
-        for _ in 0..copies as u32 {
-            sketch.plate_around(dvec3(0.1, 0.1, -3.0), dvec3(1.2, 0.0, 0.3), dvec3(0.1, 1.2, -0.2));
-        }
-    },
-    feature: Feature::of("hit a triangle of which there are more than a hundred copies", 0.3, |probe, index| {
-        let geometry = probe.truth.geometry();
-        probe.hit(index).is_some_and(|hit| {
-            let same = |other: &u32| geometry.corners(*other) == geometry.corners(hit.primitive);
-            (0..geometry.triangles.len() as u32).filter(same).count() > 100
-        })
-    }),
-};
-
-pub(super) const FLAT_TILE: Case = Case {
-    name: "flat-tile",
-    summary: "a wall square to the view whose relief shrinks to nothing: tiles without any range of depth",
-    difficulty_parameter: turned("relief", "diagonals", &[0.1, 0.01, 1e-4, 1e-6, 0.0]),
-    seed: 21,
-    make: flat_tile,
-    feature: Feature::of("hit the wall at its one depth", 0.3, |probe, index| {
-        probe.point(index).is_some_and(|point| point.z == -3.0 || (point.z + 3.0).abs() < 1e-6)
-    }),
-};
+fn coplanar(sketch: &mut Sketch, copies: f64) {
+    for _ in 0..copies as u32 {
+        sketch.plate_around(dvec3(0.1, 0.1, -3.0), dvec3(1.2, 0.0, 0.3), dvec3(0.1, 1.2, -0.2));
+    }
+}
 
 fn flat_tile(sketch: &mut Sketch, relief: f64) {
     for cell in 0..64 {

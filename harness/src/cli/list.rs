@@ -115,9 +115,8 @@ fn rays() -> Listed {
 
 fn case(case: &Case) -> (Value, String) {
     let Case { name, summary, difficulty_parameter: turned, .. } = case;
-    let label = crate::cases::label(turned.name, turned.unit);
+    let label = crate::cases::label(&turned.name, &turned.unit);
     let text = format!("{name:<20} {summary}\n{:20} {label}: {}\n", "", turned.values.iter().join(", "));
-    let turned = json!({ "name": turned.name, "unit": turned.unit, "values": turned.values });
     (json!({ "name": name, "summary": summary, "difficulty_parameter": turned }), text)
 }
 

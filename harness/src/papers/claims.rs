@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
+use super::verdict::Verdict;
 
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,17 +86,6 @@ pub enum Over {
     Most,
 }
 
-/// What a rule says of what was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
-    /// It is as it must be.
-    Holds,
-    /// It is not.
-    Fails,
-    /// What was found leaves it open.
-    Open,
-}
-
 impl Claim {
     /// The table that measures it, if one does.
     pub fn table(&self) -> Option<&str> {
@@ -116,48 +106,38 @@ impl Claim {
 
 impl Rule {
     /// Where an interval lies: within the range, outside of it, or over one of its ends.
-    fn place(&self, found: &Estimate) -> Decision {
+    pub(super) fn place(&self, found: &Estimate) -> Verdict {
         let [low, high] = found.interval;
-        let (above, below) = (
-            |end: f64| self.most.is_some_and(|most| end > most),
-            |end: f64| self.least.is_some_and(|least| end < least),
-        );
+        let above = |end: f64| self.most.is_some_and(|most| end > most);
+        let below = |end: f64| self.least.is_some_and(|least| end < least);
         match () {
-            () if !found.doubts.is_empty() => Decision::Open,
-            () if above(low) || below(high) => Decision::Fails,
-            () if above(high) || below(low) => Decision::Open,
-            () => Decision::Holds,
+            () if !found.doubts.is_empty() => Verdict::Undecided,
+            () if above(low) || below(high) => Verdict::DoesNotHold,
+            () if above(high) || below(low) => Verdict::Undecided,
+            () => Verdict::Holds,
         }
     }
 
     /// Whether what was found, at least one, is as it must be; open where that hangs on intervals that reach over an end of the range
     /// or on what is doubted.
-    pub fn decide(&self, found: &[Estimate]) -> Decision {
-        let places: Vec<Decision> = found.iter().map(|each| self.place(each)).collect();
-        let count = |wanted: Decision| places.iter().filter(|place| **place == wanted).count();
-        let (held, failed) = (count(Decision::Holds), count(Decision::Fails));
+    pub fn decide(&self, found: &[Estimate]) -> Verdict {
+        let count = |wanted: Verdict| found.iter().filter(|each| self.place(each) == wanted).count();
+        let (held, failed) = (count(Verdict::Holds), count(Verdict::DoesNotHold));
         match self.over {
             // What is doubted may lie anywhere.
             Over::Median => {
-                let end = |of: fn(&Estimate) -> f64, open: f64| {
-                    let ends = found.iter().map(|each| if each.doubts.is_empty() { of(each) } else { open });
+                let interval = [(0, f64::NEG_INFINITY), (1, f64::INFINITY)].map(|(end, open)| {
+                    let ends = found.iter().map(|each| if each.doubts.is_empty() { each.interval[end] } else { open });
                     crate::statistics::median(&ends.collect::<Vec<_>>())
-                };
-                let interval =
-                    [end(|each| each.interval[0], f64::NEG_INFINITY), end(|each| each.interval[1], f64::INFINITY)];
+                });
                 self.place(&Estimate::timed(0.0, interval, []))
             }
-            Over::Every if failed > 0 => Decision::Fails,
-            Over::Every if held == found.len() => Decision::Holds,
-            Over::Most if 2 * held > found.len() => Decision::Holds,
-            Over::Most if 2 * (found.len() - failed) <= found.len() => Decision::Fails,
-            Over::Every | Over::Most => Decision::Open,
+            Over::Every if failed > 0 => Verdict::DoesNotHold,
+            Over::Every if held == found.len() => Verdict::Holds,
+            Over::Most if 2 * held > found.len() => Verdict::Holds,
+            Over::Most if 2 * (found.len() - failed) <= found.len() => Verdict::DoesNotHold,
+            Over::Every | Over::Most => Verdict::Undecided,
         }
-    }
-
-    /// Whether what was found of one scene leaves open on which side of an end of the range it is.
-    pub(super) fn leaves_open(&self, found: &Estimate) -> bool {
-        self.place(found) == Decision::Open
     }
 
     /// The rule in words.

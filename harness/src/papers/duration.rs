@@ -1,5 +1,6 @@
 //! How long a paper's table would take, told by rows that were measured.
 
+use itertools::Itertools as _;
 use serde_json::{Value, json};
 
 use crate::plan::{Plan, SceneSource, TracerRequest};
@@ -34,9 +35,7 @@ impl Duration {
             ..Self::default()
         };
         for plan in plans {
-            for (source, request) in
-                plan.scenes.iter().flat_map(|scene| plan.tracers.iter().map(move |request| (scene, request)))
-            {
+            for (source, request) in plan.scenes.iter().cartesian_product(&plan.tracers) {
                 sum.rows += 1;
                 if let Some([build_s, trace_s]) = of_row(plan, source, request, record) {
                     sum.known += 1;
@@ -54,12 +53,9 @@ impl Duration {
             return format!("{table}: the record has none of the {} rows; measure some of them first", self.rows);
         }
         let factor = self.rows as f64 / self.known as f64;
-        let time = |seconds: f64| {
-            if seconds < HOUR {
-                format!("{:.0} min", (seconds / MINUTE).ceil())
-            } else {
-                format!("{:.1} h", seconds / HOUR)
-            }
+        let time = |seconds: f64| match seconds < HOUR {
+            true => format!("{:.0} min", (seconds / MINUTE).ceil()),
+            false => format!("{:.1} h", seconds / HOUR),
         };
         format!(
             "{table}: about {} for {} rounds, the first to warm up, of {} rows (builds {}, traces {}), by {} rows that were measured; controls, ground truth \
@@ -93,11 +89,9 @@ fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, record: &R
     let other_launch =
         |row: &Row| row.tracer.parameters.iter().any(|(name, value)| is_of_launch(name) && wanted[name] != *value);
     let other_scale = |row: &Row| (row.scene.scale.unwrap_or(1.0) / plan.preset.scene_scale).ln().abs();
-    let nearer = |a: &Row, b: &Row| {
-        let scales = other_scale(a).total_cmp(&other_scale(b));
-        scales.then(other_launch(a).cmp(&other_launch(b))).then(far(a).total_cmp(&far(b)))
-    };
-    let row = record.rows.iter().filter(alike).min_by(|a, b| nearer(a, b))?;
+    // Numbers of at least 0 are in the order of their bits.
+    let distance = |row: &&Row| (other_scale(row).to_bits(), other_launch(row), far(row).to_bits());
+    let row = record.rows.iter().filter(alike).min_by_key(distance)?;
     // Every round builds first, and then once more.
     let build = (host_ms(row.build.first())? + host_ms(row.build.steady())?) * face / pixels([row.viewpoint.face; 2]);
     let mut said = record.ray_parameters.clone();

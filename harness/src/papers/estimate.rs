@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A number with how sure it is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The number.
     pub value: f64,
@@ -26,14 +26,7 @@ pub struct Estimate {
 
 impl From<f64> for Estimate {
     fn from(value: f64) -> Self {
-        Self {
-            value,
-            interval: [value; 2],
-            timed: false,
-            at_launch_settings: false,
-            doubts: BTreeSet::new(),
-            note: None,
-        }
+        Self { value, interval: [value; 2], ..Self::default() }
     }
 }
 

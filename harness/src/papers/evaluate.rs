@@ -1,9 +1,7 @@
 //! Follows what a paper's data says is told of rows ([`super::expression`]).
 
-use itertools::Itertools as _;
-
 use super::estimate::Estimate;
-use super::expression::{Expression, Step, Steps};
+use super::expression::{ANY, Expression, HERE, Step, Steps};
 use super::functions::{Arguments, FUNCTIONS};
 use super::page::Page;
 use super::quantity::{rank_chance, rank_correlation, sign};
@@ -77,15 +75,23 @@ impl<'a> Value<'a> {
 pub(super) struct Evaluation<'a> {
     pub paper: &'a Paper,
     pub scenes: &'a [SceneRows<'a>],
-    pub scene: SceneRows<'a>,
     /// The page that it stands on, if it is of one.
     pub page: Option<&'a Page<'a>>,
-    variables: Vec<(&'a str, Value<'a>)>,
+    pub variables: Vec<(&'a str, Value<'a>)>,
 }
 
 impl<'a> Evaluation<'a> {
     pub(super) fn new(paper: &'a Paper, scenes: &'a [SceneRows<'a>], scene: &SceneRows<'a>) -> Self {
-        Self { paper, scenes, scene: scene.clone(), page: None, variables: Vec::new() }
+        Self { paper, scenes, page: None, variables: vec![(HERE, Value::Scene(scene.clone()))] }
+    }
+
+    /// The scene in whose rows something is looked for.
+    pub(super) fn scene(&self) -> &SceneRows<'a> {
+        let here = self.variables.iter().rev().find_map(|(name, value)| match value {
+            Value::Scene(scene) if *name == HERE => Some(scene),
+            _ => None,
+        });
+        here.expect("it begins in one")
     }
 
     /// Of what a page shows, from its first scene; none without scenes.
@@ -107,15 +113,17 @@ impl<'a> Evaluation<'a> {
                 let (left, right) = (self.value(left)?, self.value(right)?);
                 self.signed(sign, left, right)?
             }
-            Expression::Call(name, arguments) => self.call(name, arguments)?,
-            Expression::Over(over) => {
+            Expression::Call { name, steps, lenient: false, arguments } if steps.is_empty() => {
+                self.call(name, arguments)?
+            }
+            Expression::Call { name, steps, lenient, arguments } => {
                 let mut found = Vec::new();
-                self.follow(&over.steps, over.lenient, &mut |at| {
-                    found.push(at.values(&over.results)?);
+                self.follow(steps, *lenient, &mut |at| {
+                    found.push(at.values(arguments)?);
                     // One is enough.
-                    Some(over.name != "one")
+                    Some(name != "one")
                 })?;
-                self.made_one(&over.name, found)?
+                self.made_one(name, found)?
             }
         })
     }
@@ -135,14 +143,6 @@ impl<'a> Evaluation<'a> {
         Some(self.value(what)?.number()?.value != 0.0)
     }
 
-    /// The number at a step of a chart.
-    pub(super) fn at_step(&mut self, step: &Value<'a>, what: &'a Expression) -> Option<f64> {
-        self.variables.push(("$step", step.clone()));
-        let found = self.value(what).and_then(|value| value.number());
-        self.variables.pop();
-        found.map(|number| number.value)
-    }
-
     fn values(&mut self, all: &'a [Expression]) -> Option<Vec<Value<'a>>> {
         all.iter().map(|each| self.value(each)).collect()
     }
@@ -155,25 +155,20 @@ impl<'a> Evaluation<'a> {
         &mut self,
         tracer: &'a Expression,
         alike: bool,
-        values: &'a [(String, Option<Expression>)],
+        values: &'a [(String, Expression)],
     ) -> Option<Vec<Value<'a>>> {
         let tracer = self.value(tracer)?.text()?;
         let mut said = Vec::new();
         for (name, value) in values {
-            let value = match value {
-                Some(value) => Some(self.value(value)?.text()?),
-                None => None,
-            };
-            if value.as_deref() != Some("first") {
-                said.push((name.as_str(), value));
-            }
+            said.push((name.as_str(), self.value(value)?.text()?));
         }
+        said.retain(|(_, value)| value != "first");
         let names: Vec<&str> = said.iter().map(|(name, _)| *name).collect();
-        let is = |row: &&Row| said.iter().all(|(name, value)| value.as_ref().is_none_or(|value| has(row, name, value)));
+        let is = |row: &&Row| said.iter().all(|(name, value)| value == ANY || has(row, name, value));
         Some(if alike {
-            self.scene.differing_in(&tracer, &names).filter(is).map(Value::Row).collect()
+            self.scene().differing_in(&tracer, &names).filter(is).map(Value::Row).collect()
         } else {
-            self.scene.of_tracer(&tracer).filter(is).map(Value::Row).collect()
+            self.scene().of_tracer(&tracer).filter(is).map(Value::Row).collect()
         })
     }
 
@@ -181,7 +176,7 @@ impl<'a> Evaluation<'a> {
         Some(match (sign, left, right) {
             ("+", Value::Time(one), Value::Time(other)) => Value::Time(one.and(other)),
             ("/", Value::Time(one), Value::Time(other)) => {
-                Value::Number(times::ratio(self.scene.record, &one, &other)?)
+                Value::Number(times::ratio(self.scene().record, &one, &other)?)
             }
             ("*", Value::Time(time), factor) => Value::Time(time.times(factor.number()?.value)),
             ("/", Value::Time(time), part) => Value::Time(time.times(1.0 / part.number()?.value)),
@@ -223,10 +218,10 @@ impl<'a> Evaluation<'a> {
         let name = if name.starts_with('$') { self.variable(name)?.text()? } else { name.to_owned() };
         let values = self.values(arguments)?;
         let paper = self.paper;
-        if let Some(function) = paper.told.functions.find(&name) {
+        if let Some((arguments, is)) = paper.told.functions.get(&name) {
             let known = self.variables.len();
-            self.variables.extend(function.arguments.iter().map(String::as_str).zip(values));
-            let value = self.value(&function.is);
+            self.variables.extend(arguments.iter().map(String::as_str).zip(values));
+            let value = self.value(is);
             self.variables.truncate(known);
             return value;
         }
@@ -269,39 +264,18 @@ impl<'a> Evaluation<'a> {
         end: &mut dyn FnMut(&mut Self) -> Option<bool>,
     ) -> Option<bool> {
         let Some((step, rest)) = steps.split_first() else { return end(self) };
-        match step {
-            Step::If(condition) => {
-                if self.holds(condition)? {
-                    return self.follow(rest, lenient, end);
-                }
-            }
-            Step::Let(name, value) => {
-                let value = self.value(value)?;
-                self.variables.push((name, value));
-                return self.follow(rest, lenient, end);
-            }
-            Step::Each(names, all) => {
-                for item in self.value(all)?.items() {
-                    let known = self.variables.len();
-                    let parts = if names.len() > 1 { item.items() } else { vec![item] };
-                    self.variables.extend(names.iter().map(String::as_str).zip(parts));
-                    let wants_more = self.follow(rest, lenient, end);
-                    self.variables.truncate(known);
-                    if !wants_more? {
-                        return Some(false);
-                    }
-                }
-            }
-            Step::At(scenes) => {
-                for item in self.value(scenes)?.items() {
-                    let Value::Scene(scene) = item else { return None };
-                    let outer = std::mem::replace(&mut self.scene, scene);
-                    let wants_more = self.follow(rest, lenient, end);
-                    self.scene = outer;
-                    if !wants_more? {
-                        return Some(false);
-                    }
-                }
+        let (names, all) = match step {
+            Step::If(condition) if self.holds(condition)? => return self.follow(rest, lenient, end),
+            Step::If(_) => return Some(true),
+            Step::Each(names, all) => (names, self.value(all)?.items()),
+        };
+        let known = self.variables.len();
+        for item in all {
+            let parts = if names.len() > 1 { item.items() } else { vec![item] };
+            self.variables.truncate(known);
+            self.variables.extend(names.iter().map(String::as_str).zip(parts));
+            if !self.follow(rest, lenient, end)? {
+                return Some(false);
             }
         }
         Some(true)
@@ -355,25 +329,14 @@ impl<'a> Evaluation<'a> {
 
     /// How the second of pairs is ranked by the first.
     fn rank(&self, pairs: &[Vec<Value<'a>>]) -> Option<Estimate> {
-        let first = |pair: &[Value<'a>]| pair.first()?.number().map(|number| number.value);
-        if let Some([_, Value::Time(_)]) = pairs.first().map(Vec::as_slice) {
-            let timed = |pair: &Vec<Value<'a>>| match pair.as_slice() {
-                [_, Value::Time(time)] => Some((first(pair)?, time.clone())),
-                _ => None,
-            };
+        let points = pairs.iter().map(|pair| Some((pair.first()?.number()?.value, pair.get(1)?)));
+        let order = |one: &&Value<'a>, other: &&Value<'a>| match (one, other) {
             // A pair whose order the times leave open counts for either.
-            let order = |one: &_, other: &_| Some((times::ratio(self.scene.record, one, other)? - 1.0).rising(sign));
-            return rank_correlation(&pairs.iter().map(timed).collect::<Option<Vec<_>>>()?, order);
-        }
-        let counted = pairs.iter().map(|pair| Some((first(pair)?, pair.get(1)?.number()?.value)));
-        let order = |one: &f64, other: &f64| Some(sign(one - other).into());
-        rank_correlation(&counted.collect::<Option<Vec<_>>>()?, order)
+            (Value::Time(one), Value::Time(other)) => {
+                Some((times::ratio(self.scene().record, one, other)? - 1.0).rising(sign))
+            }
+            _ => Some(sign(one.number()?.value - other.number()?.value).into()),
+        };
+        rank_correlation(&points.collect::<Option<Vec<_>>>()?, order)
     }
-}
-
-/// By numbers of theirs, from the least; those without are left out.
-pub(super) fn sorted_by<'a>(all: Vec<Value<'a>>, number: impl Fn(&Value<'a>) -> Option<f64>) -> Vec<Value<'a>> {
-    let with = |value: Value<'a>| Some((number(&value)?, value));
-    let sorted = all.into_iter().filter_map(with).sorted_by(|one, other| one.0.total_cmp(&other.0));
-    sorted.map(|(_, value)| value).collect()
 }

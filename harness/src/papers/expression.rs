@@ -22,38 +22,37 @@ pub(super) enum Expression {
     Text(String),
     Variable(String),
     List(Vec<Self>),
-    /// Rows of a tracer with values of parameters; any where none is said.
+    /// Rows of a tracer with values of parameters.
     Rows {
         tracer: Box<Self>,
         alike: bool,
-        values: Vec<(String, Option<Self>)>,
+        values: Vec<(String, Self)>,
     },
     /// A sign between two.
     Sign(String, Box<[Self; 2]>),
     /// A function, by a name or by a variable that holds one.
-    Call(String, Vec<Self>),
-    Over(Over),
-}
-
-/// Something of everything that steps lead to.
-#[derive(Debug)]
-pub(super) struct Over {
-    /// What makes one of all.
-    pub name: String,
-    /// Whether what misses something is left out.
-    pub lenient: bool,
-    pub steps: Vec<Step>,
-    pub results: Vec<Expression>,
+    Call {
+        name: String,
+        /// What leads to its arguments, of which it then makes one of all.
+        steps: Vec<Step>,
+        /// Whether what misses something is left out.
+        lenient: bool,
+        arguments: Vec<Self>,
+    },
 }
 
 /// A step on the way to what is told.
 #[derive(Debug)]
 pub(super) enum Step {
+    /// Variables that stand for one after the other of a list, or [`HERE`].
     Each(Vec<String>, Expression),
-    Let(String, Expression),
     If(Expression),
-    At(Expression),
 }
+
+/// Stands for any value of a parameter.
+pub(super) const ANY: &str = "*";
+/// What holds the scene in whose rows something is looked for.
+pub(super) const HERE: &str = "here";
 
 /// Signs, from those that bind least.
 const SIGNS: [&[&str]; 3] = [&["<", "<=", ">", ">=", "=="], &["+", "-"], &["*", "/"]];
@@ -66,28 +65,16 @@ pub(super) struct Steps(pub Vec<Step>);
 impl TryFrom<String> for Steps {
     type Error = String;
 
-    /// As [`Expression`]'s.
     fn try_from(text: String) -> Result<Self, String> {
-        let mut reader = Reader { tokens: tokens(&text)?, next: 0 };
-        let mut steps = Vec::new();
-        while let Some(step) = reader.step()? {
-            steps.push(step);
-            if !reader.take(",") {
-                break;
-            }
-        }
-        if reader.next < reader.tokens.len() { reader.fails("a step") } else { Ok(Self(steps)) }
+        Reader::read(&text, Reader::steps, "a step").map(Self)
     }
 }
 
 impl TryFrom<String> for Expression {
     type Error = String;
 
-    /// Reads what is told; an error names the place.
     fn try_from(text: String) -> Result<Self, String> {
-        let mut reader = Reader { tokens: tokens(&text)?, next: 0 };
-        let read = reader.list()?;
-        if reader.next < reader.tokens.len() { reader.fails("an end") } else { Ok(read) }
+        Reader::read(&text, Reader::list, "an end")
     }
 }
 
@@ -115,6 +102,13 @@ struct Reader {
 }
 
 impl Reader {
+    /// Reads what is told, all of it; an error names the place.
+    fn read<T>(text: &str, what: fn(&mut Self) -> Result<T, String>, wanted: &str) -> Result<T, String> {
+        let mut reader = Self { tokens: tokens(text)?, next: 0 };
+        let read = what(&mut reader)?;
+        if reader.next < reader.tokens.len() { reader.fails(wanted) } else { Ok(read) }
+    }
+
     fn ahead(&self, by: usize) -> &str {
         self.tokens.get(self.next + by).map_or("", String::as_str)
     }
@@ -190,47 +184,54 @@ impl Reader {
 
     fn rows(&mut self, tracer: Expression, alike: bool) -> Result<Expression, String> {
         self.expect("[")?;
-        let mut values = Vec::new();
-        while !self.take("]") {
-            let name = self.word()?;
-            self.expect("=")?;
-            values.push((name, if self.take("*") { None } else { Some(self.value()?) }));
-            if !self.take(",") && self.ahead(0) != "]" {
-                return self.fails("]");
-            }
-        }
-        Ok(Expression::Rows { tracer: Box::new(tracer), alike, values })
+        let value = |reader: &mut Self| {
+            let name = reader.word()?;
+            reader.expect("=")?;
+            Ok((name, reader.value()?))
+        };
+        Ok(Expression::Rows { tracer: Box::new(tracer), alike, values: self.up_to("]", value)? })
     }
 
-    /// A tracer, or a parameter's value: as it is written, or what a variable holds.
+    /// A tracer, or a parameter's value: as it is written, or what a variable holds; `*` is any.
     fn value(&mut self) -> Result<Expression, String> {
+        if self.take(ANY) {
+            return Ok(Expression::Text(ANY.to_owned()));
+        }
         if self.ahead(0).starts_with('$') { self.single() } else { self.word().map(Expression::Text) }
+    }
+
+    /// All up to a bracket, with commas between them.
+    fn up_to<T>(&mut self, end: &str, each: impl Fn(&mut Self) -> Result<T, String>) -> Result<Vec<T>, String> {
+        let mut all = Vec::new();
+        while !self.take(end) {
+            all.push(each(self)?);
+            if !self.take(",") && self.ahead(0) != end {
+                return self.fails(end);
+            }
+        }
+        Ok(all)
     }
 
     fn call(&mut self, name: String) -> Result<Expression, String> {
         let lenient = self.take("?");
         self.expect("(")?;
+        let steps = self.steps()?;
+        if !steps.is_empty() {
+            self.expect(":")?;
+        }
+        let arguments = self.up_to(")", Self::list)?;
+        Ok(Expression::Call { name, steps, lenient, arguments })
+    }
+
+    fn steps(&mut self) -> Result<Vec<Step>, String> {
         let mut steps = Vec::new();
         while let Some(step) = self.step()? {
             steps.push(step);
             if !self.take(",") {
-                self.expect(":")?;
                 break;
             }
         }
-        let mut results = Vec::new();
-        while !self.take(")") {
-            results.push(self.list()?);
-            if !self.take(",") && self.ahead(0) != ")" {
-                return self.fails(")");
-            }
-        }
-        let is_call = steps.is_empty() && !lenient;
-        Ok(if is_call {
-            Expression::Call(name, results)
-        } else {
-            Expression::Over(Over { name, lenient, steps, results })
-        })
+        Ok(steps)
     }
 
     fn step(&mut self) -> Result<Option<Step>, String> {
@@ -238,7 +239,7 @@ impl Reader {
             return self.list().map(|condition| Some(Step::If(condition)));
         }
         if self.take("at") {
-            return self.list().map(|scenes| Some(Step::At(scenes)));
+            return self.list().map(|scenes| Some(Step::Each(vec![HERE.to_owned()], scenes)));
         }
         let mut names = Vec::new();
         while self.ahead(2 * names.len()).starts_with('$') {
@@ -251,7 +252,7 @@ impl Reader {
                 }
                 "=" if names.len() == 1 => {
                     self.next += 2;
-                    return self.list().map(|value| Some(Step::Let(names.remove(0), value)));
+                    return self.list().map(|value| Some(Step::Each(names, Expression::List(vec![value]))));
                 }
                 _ => break,
             }

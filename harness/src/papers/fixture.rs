@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use tracebench_api::{ClockKind, MemoryEntry, Query};
 
-use super::{Paper, Rows, SceneValue, find, report};
+use super::rows::has;
+use super::{Paper, Rows, SceneRows, SceneValue, find, report};
 pub(super) use crate::report::fixture::{COUNT, Quality, interleaved_set, run};
 use crate::results::{CounterRecord, Judgement, PhaseRecord, Record, Row, Times, TraceRecord};
 
@@ -38,9 +39,15 @@ pub(super) fn run_of(rows: Vec<Row>) -> Record {
     record
 }
 
+/// The run of a tracer that has these values, and else those of the tracer's first run, its resolution and rays too.
+pub(super) fn like_first<'a>(scene: &SceneRows<'a>, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
+    let names: Vec<&str> = values.iter().map(|(name, _)| *name).collect();
+    scene.differing_in(tracer, &names).find(|row| values.iter().all(|(name, value)| has(row, name, value)))
+}
+
 /// A quantity of a paper by scene, as pages name it.
 pub(super) fn values(paper: &Paper, name: &str, record: &Record) -> BTreeMap<String, f64> {
-    let found = paper.quantity(name).unwrap().values(&Rows::of(record));
+    let found = paper.quantity(name).unwrap().values(paper, &Rows::of(record));
     found.iter().map(SceneValue::from).map(|each| (each.scene, each.value)).collect()
 }
 

@@ -1,13 +1,13 @@
 //! Functions that a paper's data takes ([`super::expression`]), each a line.
 
 use itertools::Itertools as _;
-use serde_json::Value as Json;
+use serde_json::json;
 
 use super::Scope;
 use super::estimate::Estimate;
-use super::evaluate::{Evaluation, Value, sorted_by};
+use super::evaluate::{Evaluation, Value};
 use super::page::measured::{Accurate, speed_with_accuracy, time_of};
-use super::rows::{self, beyond, counted, per_ray, same_hits, statistic, trace};
+use super::rows::{self, beyond, parameter, right, same_hits, statistic, trace};
 use super::times::traced;
 use crate::report::format::thousands;
 use crate::report::sheet::Cell;
@@ -90,39 +90,37 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
         let all = of.list(0)?.into_iter().enumerate();
         Some(Value::List(all.map(|(place, each)| Value::List(vec![(place as f64).into(), each])).collect()))
     }),
-    // Lists by their first numbers, and rows by the numbers of a parameter, from the least.
+    // Lists by their first numbers, from the least; those without are left out.
     ("ascending", |_, of| {
         let first = |each: &Value<'_>| if let Value::List(parts) = each { parts.first()?.number() } else { None };
-        Some(Value::List(sorted_by(of.list(0)?, |each| first(each).map(|number| number.value))))
-    }),
-    ("sorted", |_, of| {
-        let parameter = of.text(1)?;
-        Some(Value::List(sorted_by(of.list(0)?, |each| parameter_of(each.row()?, &parameter))))
+        let all = of.list(0)?.into_iter().filter_map(|each| Some((first(&each)?.value, each)));
+        let sorted = all.sorted_by(|one, other| one.0.total_cmp(&other.0));
+        Some(Value::List(sorted.map(|(_, each)| each).collect()))
     }),
     // The first of those that are written alike.
     ("unique", |_, of| Some(Value::List(of.list(0)?.into_iter().unique_by(Value::text).collect()))),
     // All scenes; the scene, its name, the rows of every resolution and rays, those of whose rays this was said, and its ray sets, or a row's.
     ("scenes", |at, _| Some(Value::List(at.scenes.iter().cloned().map(Value::Scene).collect()))),
-    ("here", |at, _| Some(Value::Scene(at.scene.clone()))),
-    ("scene", |at, _| Some(Value::Text(&at.scene.rows.first()?.scene.name))),
+    ("here", |at, _| Some(Value::Scene(at.scene().clone()))),
+    ("scene", |at, _| Some(Value::Text(&at.scene().rows.first()?.scene.name))),
     ("places", |at, of| {
-        let scene = if let Some(Value::Scene(scene)) = of.0.first() { scene } else { &at.scene };
+        let scene = if let Some(Value::Scene(scene)) = of.0.first() { scene } else { at.scene() };
         Some(Value::List(scene.by_resolution().into_iter().map(Value::Scene).collect()))
     }),
     ("said", |at, of| {
         let said = of.labels(0)?;
-        Some(Value::Scene(at.scene.of_rays(&pairs(&said))))
+        Some(Value::Scene(at.scene().of_rays(&pairs(&said))))
     }),
     ("sets", |_, of| Some(Value::List(of.row(0)?.traces.iter().map(|trace| Value::Text(&trace.rays)).collect()))),
-    ("ray_sets", |at, _| Some(Value::List(at.scene.ray_sets().into_iter().map(Value::Text).collect()))),
-    ("rows", |at, _| Some(Value::List(at.scene.rows.iter().copied().map(Value::Row).collect()))),
+    ("ray_sets", |at, _| Some(Value::List(at.scene().ray_sets().into_iter().map(Value::Text).collect()))),
+    ("rows", |at, _| Some(Value::List(at.scene().rows.iter().copied().map(Value::Row).collect()))),
     ("skipped", |at, of| {
         let tracer = of.text(0)?;
-        let all = at.scene.skipped.iter().filter(|skipped| skipped.tracer.as_deref() == Some(&*tracer));
+        let all = at.scene().skipped.iter().filter(|skipped| skipped.tracer.as_deref() == Some(&*tracer));
         count(all.count() as u64)
     }),
     // Of a row: a parameter, what its structure says, how much it says, its bytes in a scope, those of a part, and where it is.
-    ("value", |_, of| parameter_of(of.row(0)?, &of.text(1)?).map(Value::from)),
+    ("value", |_, of| parameter(of.row(0)?, &of.text(1)?).map(Value::from)),
     ("told", |_, of| statistic(of.row(0)?, &of.text(1)?).map(Value::from)),
     ("statistics", |_, of| count(of.row(0)?.structure_statistics.len() as u64)),
     ("bytes", |at, of| {
@@ -171,13 +169,16 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
         let name = of.text(1)?;
         count(of.traces(2)?.iter().filter_map(|trace| trace.statuses.get(&name)).sum())
     }),
-    ("a_ray", |_, of| per_ray(trace(of.row(0)?, &of.text(2)?)?, &of.text(1)?).map(Value::from)),
+    ("a_ray", |_, of| Some(trace(of.row(0)?, &of.text(2)?)?.counters.get(&of.text(1)?)?.per_ray.into())),
     ("right", |_, of| right(trace(of.row(0)?, &of.text(2)?)?, &of.text(1)?).map(Value::from)),
     ("error", |_, of| closest(trace(of.row(0)?, &of.text(1)?)?)?.position_error.p50.map(Value::from)),
     ("occlusion", |_, of| count(occlusion(trace(of.row(0)?, &of.text(2)?)?, &of.text(1)?)?)),
     // Of a row's closest-hit sets rays of kinds: so many, their share, the share as that of a sample; and in a million in a row beyond another.
     ("wrong", |_, of| count(of.of_kind()?[1])),
-    ("share", |_, of| share(of.of_kind()?)),
+    ("share", |_, of| {
+        let [rays, found] = of.of_kind()?;
+        (rays > 0).then(|| (found as f64 / rays as f64).into())
+    }),
     ("sampled_share", |_, of| {
         let [rays, found] = of.of_kind()?;
         number(Estimate::timed(found as f64 / rays as f64, wilson(found, rays)?, []))
@@ -207,7 +208,7 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     ("slower", |at, of| {
         let (one, other, sets) = (of.row(0)?, of.row(1)?, of.texts(2)?);
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        at.scene.traces_ratio(one, other, &sets).map(Value::Number)
+        at.scene().traces_ratio(one, other, &sets).map(Value::Number)
     }),
     ("ms", |_, of| if let Value::Time(time) = of.0.first()? { time.host_ms().map(Value::from) } else { None }),
     // Medians by the record's own clock: of a trace or else the build, and of phases of the build.
@@ -231,26 +232,23 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     ("mib", |_, of| shown(Cell::Bytes(of.number(0)?.value))),
     ("statistic", |_, of| shown(Cell::Statistic(of.number(0)?.value))),
     ("absent", |_, _| shown(Cell::Absent)),
-    ("label", |at, _| shown(Cell::Name(at.scene.label.clone()))),
+    ("label", |at, _| shown(Cell::Name(at.scene().label.clone()))),
     ("subtitle", |at, _| {
-        let triangles = thousands(at.scene.rows.first()?.scene.triangles);
-        shown(format!("{} ({triangles} triangles)", at.scene.label).into())
+        let triangles = thousands(at.scene().rows.first()?.scene.triangles);
+        shown(format!("{} ({triangles} triangles)", at.scene().label).into())
     }),
     ("place", |at, _| {
-        let said = at.scene.rows.first()?.viewpoint.ray_overrides();
-        shown(format!("{}{said}", at.scene.label).into())
+        let said = at.scene().rows.first()?.viewpoint.ray_overrides();
+        shown(format!("{}{said}", at.scene().label).into())
     }),
+    ("stands_for", |at, of| at.page?.experiment.stands_for(&of.row(0)?.scene).map(Value::Text)),
     ("scene_of", |_, of| shown(Cell::Name(of.row(0)?.scene.name.clone()))),
     ("tracer", |_, of| shown(of.row(0)?.label().into())),
     ("tracer_name", |_, of| Some(Value::Text(&of.row(0)?.tracer.name))),
     ("seconds", |_, of| shown(of.row(0)?.viewpoint.time_s.to_string().into())),
-    ("image", |_, of| shown(image(of.row(0)?.viewpoint.ray_image))),
-    // The images of rays of some rows, from the least.
-    ("images", |_, of| {
-        let images = of.list(0)?.iter().map(|row| Some(row.row()?.viewpoint.ray_image)).collect::<Option<Vec<_>>>()?;
-        let pixels = |image: &[u32; 2]| image.map(u64::from).iter().product::<u64>();
-        let images = images.into_iter().unique().sorted_by_key(pixels);
-        Some(Value::List(images.filter_map(|each| shown(image(each))).collect()))
+    ("image", |_, of| {
+        let [width, height] = of.row(0)?.viewpoint.ray_image;
+        shown(format!("{width}x{height}").into())
     }),
     // Times of ray sets and speeds, with the accuracy of the same rays.
     ("taken", |_, of| {
@@ -269,10 +267,6 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     }),
     ("printed_first", |at, _| (*at.page?.printed()?.rows.as_ref()?.first()?.values.first()?).map(Value::from)),
 ];
-
-fn image([width, height]: [u32; 2]) -> Cell {
-    format!("{width}x{height}").into()
-}
 
 fn shown<'a>(cell: Cell) -> Option<Value<'a>> {
     let number = cell.value().unwrap_or(f64::NAN);
@@ -296,31 +290,8 @@ fn count<'a>(count: u64) -> Option<Value<'a>> {
     Some((count as f64).into())
 }
 
-fn share<'a>([rays, of_kind]: [u64; 2]) -> Option<Value<'a>> {
-    (rays > 0).then(|| (of_kind as f64 / rays as f64).into())
-}
-
-/// A parameter's number.
-fn parameter_of(row: &Row, parameter: &str) -> Option<f64> {
-    match row.tracer.parameters.get(parameter)? {
-        Json::String(text) => text.parse().ok(),
-        other => other.as_f64(),
-    }
-}
-
 fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
     if let Judgement::Closest(closest) = &trace.judgement { Some(closest) } else { None }
-}
-
-/// How often a set is right: by a rule, of any-hit sets `balanced`.
-fn right(trace: &TraceRecord, rule: &str) -> Option<f64> {
-    match (&trace.judgement, rule) {
-        (Judgement::Any(any), "balanced") => any.occlusion.balanced_accuracy,
-        (Judgement::Closest(closest), "hit_miss") => closest.agreement.hit_miss,
-        (Judgement::Closest(closest), "tight") => closest.agreement.tight,
-        (Judgement::Closest(closest), "footprint") => closest.agreement.footprint,
-        _ => None,
-    }
 }
 
 /// Rays that are wrong for their start under a rule: they leave out what is near it, or take the wrong side of the surface that they start on.
@@ -332,19 +303,16 @@ fn starts(trace: &TraceRecord, rule: &str) -> u64 {
 /// Rays of an any-hit set of a kind.
 fn occlusion(trace: &TraceRecord, kind: &str) -> Option<u64> {
     let Judgement::Any(any) = &trace.judgement else { return None };
-    Some(match kind {
-        "true_occluded" => any.occlusion.true_occluded,
-        "true_free" => any.occlusion.true_free,
-        "false_occluded" => any.occlusion.false_occluded,
-        "false_free" => any.occlusion.false_free,
-        "false_free_but_starts" => any.occlusion.false_free.saturating_sub(starts(trace, OCCLUSION)),
-        _ => return None,
-    })
+    match kind {
+        "false_free_but_starts" => Some(any.occlusion.false_free.saturating_sub(starts(trace, OCCLUSION))),
+        kind => json!(any.occlusion)[kind].as_u64(),
+    }
 }
 
 /// Rays of a closest-hit set that count, and of them those of kinds, each a rule with a class or a cause.
 fn of_kinds(trace: &TraceRecord, kinds: &[String]) -> Option<[u64; 2]> {
-    let of_kind = |closest: &ClosestJudgement, kind: &String| {
+    let closest = closest(trace)?;
+    let of_kind = |kind: &String| {
         let (rule, kind) = kind.split_once('.')?;
         let classes = match rule {
             "tight" => &closest.classes.tight,
@@ -362,7 +330,8 @@ fn of_kinds(trace: &TraceRecord, kinds: &[String]) -> Option<[u64; 2]> {
             cause => closest.causes.get(rule)?.get(cause).copied().unwrap_or(0),
         })
     };
-    counted(trace, |closest| kinds.iter().map(|kind| of_kind(closest, kind)).sum())
+    let found = kinds.iter().map(of_kind).sum::<Option<u64>>()?;
+    Some([trace.count.saturating_sub(closest.left_out()), found])
 }
 
 /// Whether something has a name, with `*` at its end by how it begins.

@@ -30,14 +30,14 @@ mod verdict;
 mod vvp16;
 mod wkp15;
 
-pub use claims::{Claim, Decision, Over, Rule, Test};
+pub use claims::{Claim, Over, Rule, Test};
 pub use duration::Duration;
 pub use estimate::Estimate;
 pub use experiment::{Experiment, ExperimentRow, StandIn, Step, TooManyRays};
 pub use page::claims_of;
 pub(crate) use page::{claims_report, report};
 pub(crate) use part::PART_SETTINGS;
-pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
+pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable};
 pub use quantity::{OfScene, Quantity};
 pub use rows::{Rows, SceneRows};
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
@@ -88,12 +88,12 @@ macro_rules! paper {
         $crate::papers::Paper {
             name: $name,
             claims_table: concat!($name, "-claims"),
-            experiments: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("experiments.json"))),
-            published: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("published.json"))),
-            claims: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("claims.json"))),
-            told: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("quantities.json"))),
-            pages: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("pages.json"))),
-            own: std::sync::LazyLock::new(|| $crate::papers::embedded(include_str!("paper.json"))),
+            experiments: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("experiments.json"))),
+            published: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("published.json"))),
+            claims: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("claims.json"))),
+            told: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("quantities.json"))),
+            pages: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("pages.json"))),
+            own: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("paper.json"))),
             figures: $figures,
             by_formula: $by_formula,
         }
@@ -125,14 +125,6 @@ struct Resolutions {
     image: [u32; 2],
     /// Edge of a cube face.
     face: u32,
-}
-
-/// The run preset whose resolutions are those of papers.
-const AT_PAPER: &str = "paper";
-
-/// Reads a paper's own file, which tests hold whole.
-fn embedded<T: Deserialize<'static>>(text: &'static str) -> T {
-    serde_json::from_str(text).expect("the tests of papers read it")
 }
 
 /// What is counted as memory.
@@ -169,7 +161,7 @@ impl Paper {
     /// A run preset at the resolutions that this paper's tables have there.
     pub fn resolved(&self, preset: RunPreset) -> RunPreset {
         match self.own.at_paper {
-            Some(Resolutions { image, face }) if preset.name == AT_PAPER => {
+            Some(Resolutions { image, face }) if preset.name == "paper" => {
                 RunPreset { ray_image: image, frame: image, face, ..preset }
             }
             _ => preset,
@@ -177,8 +169,8 @@ impl Paper {
     }
 
     /// A quantity by name.
-    pub fn quantity(&self, name: &str) -> Option<Quantity<'_>> {
-        Quantity::find(self, name)
+    pub fn quantity(&self, name: &str) -> Option<&Quantity> {
+        self.told.quantities.iter().find(|quantity| quantity.name == name)
     }
 
     /// Bytes in a scope; none of a trace where none goes to surfaces.

@@ -26,22 +26,8 @@ pub struct Publication {
     pub year: u32,
     /// What it measured on.
     pub hardware: String,
-    /// What holds of its measurements where nothing else is said.
-    pub setup: Vec<Setting>,
-}
-
-/// A setting of a paper's measurements.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Setting {
-    /// What is set.
-    pub name: String,
-    /// Its value; `None` where the paper does not state it.
-    pub value: Option<String>,
-    /// Where it is stated.
-    pub section: String,
-    /// What is to be known of it.
-    pub note: String,
+    /// What holds of its measurements where nothing else is said: `name`, `value` where the paper states it, `section` and `note`.
+    pub setup: Vec<BTreeMap<String, Option<String>>>,
 }
 
 /// A table, or what a figure's caption or the text states.

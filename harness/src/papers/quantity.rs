@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 use super::Paper;
 use super::estimate::Estimate;
@@ -19,55 +20,39 @@ pub struct OfScene {
     pub found: Estimate,
 }
 
+/// Variables that hold what a function takes, and what it is.
+type Function = (Vec<String>, Expression);
+
 /// What a paper's `quantities.json` tells.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Told {
-    pub functions: Functions,
-    pub quantities: Vec<ToldQuantity>,
+    /// By name, from `share(row, rays)`.
+    #[serde(deserialize_with = "functions")]
+    pub functions: BTreeMap<String, Function>,
+    pub quantities: Vec<Quantity>,
 }
 
-/// Functions by name and what they take: `share(row, rays)`.
-#[derive(Debug, Deserialize)]
-#[serde(try_from = "BTreeMap<String, Expression>")]
-pub(super) struct Functions(Vec<Function>);
-
-#[derive(Debug)]
-pub(super) struct Function {
-    pub name: String,
-    /// Variables that hold what it is told.
-    pub arguments: Vec<String>,
-    pub is: Expression,
+fn functions<'de, D: Deserializer<'de>>(told: D) -> Result<BTreeMap<String, Function>, D::Error> {
+    let function = |(head, is): (String, Expression)| {
+        let parts = head.split_once('(').and_then(|(name, rest)| Some((name, rest.strip_suffix(')')?)));
+        let (name, rest) =
+            parts.ok_or_else(|| D::Error::custom(format!("{head} is no function with what it takes")))?;
+        let arguments = rest.split(',').map(|name| format!("${}", name.trim())).collect();
+        Ok((name.to_owned(), (arguments, is)))
+    };
+    BTreeMap::<String, Expression>::deserialize(told)?.into_iter().map(function).collect()
 }
 
-impl TryFrom<BTreeMap<String, Expression>> for Functions {
-    type Error = String;
-
-    fn try_from(all: BTreeMap<String, Expression>) -> Result<Self, String> {
-        let function = |(head, is): (String, Expression)| {
-            let parts = head.split_once('(').and_then(|(name, rest)| Some((name, rest.strip_suffix(')')?)));
-            let (name, rest) = parts.ok_or_else(|| format!("{head} is no function with what it takes"))?;
-            let arguments = rest.split(',').map(|name| format!("${}", name.trim())).collect();
-            Ok(Function { name: name.to_owned(), arguments, is })
-        };
-        all.into_iter().map(function).collect::<Result<_, String>>().map(Self)
-    }
-}
-
-impl Functions {
-    pub(super) fn find(&self, name: &str) -> Option<&Function> {
-        self.0.iter().find(|function| function.name == name)
-    }
-}
-
-/// A quantity as it is told.
+/// A quantity.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ToldQuantity {
+pub struct Quantity {
+    /// Stable name.
     pub name: String,
     /// What it is, in words.
-    #[expect(dead_code, reason = "for those who read the file")]
-    what: String,
+    pub what: String,
+    /// Its unit, empty for a ratio or share.
     #[serde(default)]
     pub unit: String,
     /// Whether it is of all scenes together.
@@ -76,33 +61,16 @@ pub(super) struct ToldQuantity {
     is: Expression,
 }
 
-/// A quantity.
-#[derive(Clone, Copy, Debug)]
-pub struct Quantity<'p> {
-    /// Stable name.
-    pub name: &'p str,
-    /// Its unit, empty for a ratio or share.
-    pub unit: &'p str,
-    paper: &'p Paper,
-    told: &'p ToldQuantity,
-}
-
-impl<'p> Quantity<'p> {
-    /// One of a paper's.
-    pub(super) fn find(paper: &'p Paper, name: &str) -> Option<Self> {
-        let told = paper.told.quantities.iter().find(|quantity| quantity.name == name)?;
-        Some(Self { name: &told.name, unit: &told.unit, paper, told })
-    }
-
-    /// Its values in a run; none where the run lacks the rows. What is no number is none.
-    pub fn values(&self, rows: &Rows<'_>) -> Vec<OfScene> {
+impl Quantity {
+    /// Its values in a run, for the paper that it is of; none where the run lacks the rows. What is no number is none.
+    pub fn values(&self, paper: &Paper, rows: &Rows<'_>) -> Vec<OfScene> {
         let of = |label: &str, scene: &SceneRows<'_>| {
-            let found = Evaluation::new(self.paper, &rows.scenes, scene).value(&self.told.is)?;
+            let found = Evaluation::new(paper, &rows.scenes, scene).value(&self.is)?;
             let found = if let Value::Number(found) = found { found } else { return None };
             found.value.is_finite().then(|| OfScene { scene: label.to_owned(), found })
         };
         match rows.scenes.first() {
-            Some(first) if self.told.of_all_scenes => of("all scenes", first).into_iter().collect(),
+            Some(first) if self.of_all_scenes => of("all scenes", first).into_iter().collect(),
             _ => rows.scenes.iter().filter_map(|scene| of(&scene.label, scene)).collect(),
         }
     }

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use itertools::Itertools as _;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::experiment::Experiment;
-use crate::results::{ClosestJudgement, Judgement, Record, Row, Skipped, TraceRecord, same_pose};
+use crate::results::{Judgement, Record, Row, Skipped, TraceRecord, same_pose};
 
 /// A run by scene.
 pub struct Rows<'a> {
@@ -93,11 +93,11 @@ fn is(found: &Value, value: &str) -> bool {
     }
 }
 
-/// A parameter's whole number.
-pub(crate) fn integer(row: &Row, parameter: &str) -> Option<u64> {
-    match row.tracer.parameters.get(parameter)? {
+/// A parameter's number.
+pub(crate) fn parameter(row: &Row, name: &str) -> Option<f64> {
+    match row.tracer.parameters.get(name)? {
         Value::String(text) => text.parse().ok(),
-        other => other.as_u64(),
+        other => other.as_f64(),
     }
 }
 
@@ -107,19 +107,8 @@ impl<'a> SceneRows<'a> {
         self.rows.iter().filter(move |row| row.tracer.name == tracer).copied()
     }
 
-    /// The first run of a tracer that has these values.
-    pub fn find(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
-        self.of_tracer(tracer).find(|row| values.iter().all(|(name, value)| has(row, name, value)))
-    }
-
-    /// The run of a tracer that has these values, and else those of the tracer's first run, its resolution and rays too. So rows are
+    /// The first run of a tracer and those at its resolution and of its rays that differ from it in these parameters at most. So rows are
     /// distinguished by what the experiment varies, whatever else is set for all of them.
-    pub fn like_first(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
-        let names: Vec<&str> = values.iter().map(|(name, _)| *name).collect();
-        self.differing_in(tracer, &names).find(|row| values.iter().all(|(name, value)| has(row, name, value)))
-    }
-
-    /// The first run of a tracer and those at its resolution and of its rays that differ from it in these parameters at most.
     pub fn differing_in(&self, tracer: &str, parameters: &[&str]) -> impl Iterator<Item = &'a Row> {
         let first = self.of_tracer(tracer).next();
         let alike = move |row: &&Row, first: &Row| {
@@ -138,15 +127,8 @@ impl<'a> SceneRows<'a> {
 
     /// The runs by resolution, of the ray image, from the lowest, then of the views, and of each by what was said of their rays.
     pub fn by_resolution(&self) -> Vec<SceneRows<'a>> {
-        let mut places: Vec<WorkloadKey<'a>> = Vec::new();
-        for row in self.rows.iter().copied() {
-            if !places.contains(&place(row)) {
-                places.push(place(row));
-            }
-        }
-        places.sort_by_key(|(resolution, _)| *resolution);
-        let at = |wanted: WorkloadKey<'a>| self.only(|row| place(row) == wanted);
-        places.into_iter().map(at).collect()
+        let places = self.rows.iter().map(|row| place(row)).unique().sorted_by_key(|(resolution, _)| *resolution);
+        places.map(|wanted| self.only(|row| place(row) == wanted)).collect()
     }
 
     /// The runs alone of whose ray sets this was said.
@@ -169,18 +151,11 @@ impl<'a> SceneRows<'a> {
     }
 }
 
-/// Where a row stands among those of its scene: the resolutions, and what was said about its ray sets.
-type WorkloadKey<'a> = ([u64; 3], &'a BTreeMap<String, Value>);
-
-fn place(row: &Row) -> WorkloadKey<'_> {
-    (resolution(row), &row.viewpoint.ray_parameters)
-}
-
-/// Pixels of ray image, frame and a face.
-fn resolution(row: &Row) -> [u64; 3] {
-    let pixels = |size: [u32; 2]| size.map(u64::from).iter().product();
+/// Where a row stands among those of its scene: pixels of ray image, frame and a face, and what was said about its ray sets.
+fn place(row: &Row) -> ([u64; 3], &BTreeMap<String, Value>) {
     let viewpoint = &row.viewpoint;
-    [pixels(viewpoint.ray_image), pixels(viewpoint.frame), pixels([viewpoint.face; 2])]
+    let sizes = [viewpoint.ray_image, viewpoint.frame, [viewpoint.face; 2]];
+    (sizes.map(|size| size.map(u64::from).iter().product()), &viewpoint.ray_parameters)
 }
 
 /// A tracer's trace of a ray set.
@@ -193,23 +168,12 @@ pub(crate) fn statistic(row: &Row, name: &str) -> Option<f64> {
     row.structure_statistics.get(name).copied()
 }
 
-/// A counter's mean a ray.
-pub(crate) fn per_ray(trace: &TraceRecord, counter: &str) -> Option<f64> {
-    Some(trace.counters.get(counter)?.per_ray)
-}
-
-/// Agreement under `tight`, or balanced accuracy of any-hit rays.
-pub(crate) fn agreement(trace: &TraceRecord) -> Option<f64> {
+/// How often a set is right: by a rule, of any-hit sets `balanced`.
+pub(super) fn right(trace: &TraceRecord, rule: &str) -> Option<f64> {
     match &trace.judgement {
-        Judgement::Closest(closest) => closest.agreement.tight,
-        Judgement::Any(any) => any.occlusion.balanced_accuracy,
+        Judgement::Any(any) => any.occlusion.balanced_accuracy.filter(|_| rule == "balanced"),
+        Judgement::Closest(closest) => json!(closest.agreement)[rule].as_f64(),
     }
-}
-
-/// Rays that count, and of them those of a kind; of closest-hit sets alone.
-pub(super) fn counted(trace: &TraceRecord, of: impl Fn(&ClosestJudgement) -> Option<u64>) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.left_out()), of(closest)?])
 }
 
 /// The share of a row's rays that it answers as the first row of its tracer does, of the ray set with the least.

@@ -39,7 +39,7 @@ fn published_data_is_whole() {
     for (index, (paper, Published { paper: publication, tables })) in papers.iter().enumerate() {
         assert!(papers[..index].iter().all(|(other, _)| other.name != paper.name), "{}", paper.name);
         assert!(tables.iter().all(|table| table.paper == paper.name), "{}", paper.name);
-        assert!(!publication.hardware.is_empty() && publication.setup.iter().all(|each| !each.section.is_empty()));
+        assert!(!publication.hardware.is_empty() && publication.setup.iter().all(|each| each["section"].is_some()));
     }
 }
 
@@ -60,18 +60,18 @@ fn claims_can_be_decided() {
                 let stands = |name: &String| experiment.scenes.iter().any(|scene| scene.published == name);
                 assert!(scenes.iter().all(stands), "{}: {scenes:?}", claim.id);
                 let quantity = paper.quantity(name).unwrap_or_else(|| panic!("{}: no quantity {name}", claim.id));
-                used.push((paper.name, quantity.name));
+                used.push((paper.name, &*quantity.name));
                 for either in either {
                     let other = paper.quantity(either).unwrap_or_else(|| panic!("{}: no quantity {either}", claim.id));
                     assert!(other.unit == quantity.unit && other.name != quantity.name, "{}", claim.id);
-                    used.push((paper.name, other.name));
+                    used.push((paper.name, &*other.name));
                 }
                 assert!(rule.least.is_some() || rule.most.is_some(), "{}", claim.id);
                 assert!(rule.least.zip(rule.most).is_none_or(|(least, most)| least <= most), "{}", claim.id);
                 if let (Some([stated]), "%") = (claim.published.as_deref(), claim.unit.as_str()) {
                     let room = (stated / 2.0).min(10.0);
                     assert_eq!((rule.least, rule.most), (Some(stated - room), Some(stated + room)), "{}", claim.id);
-                    assert_eq!((quantity.unit, rule.over), ("%", Over::Median), "{}", claim.id);
+                    assert_eq!((&*quantity.unit, rule.over), ("%", Over::Median), "{}", claim.id);
                 }
             }
         }
@@ -99,7 +99,8 @@ fn experiments_name_what_exists() {
         assert!(sets.into_iter().all(|name| RAY_SETS.iter().any(|set| set.name == name)), "{}", experiment.name);
         assert!(experiment.published.iter().all(|id| published.iter().any(|table| table.id == *id)));
         assert!(experiment.settings.iter().all(|setting| setting.starts_with("rays.")));
-        let own = |name: &&str| *name == "by part" || paper.pages.tables.contains_key(*name);
+        let common = &page::told::COMMON.tables;
+        let own = |name: &&str| common.contains_key(*name) || paper.pages.tables.contains_key(*name);
         let is_section =
             |name: &&str| name.strip_prefix("beside ").map_or_else(|| own(name), |it| experiment.holds(it));
         assert!(experiment.sections.iter().all(is_section), "{}", experiment.name);
@@ -222,12 +223,12 @@ fn rules_hold_over_what_they_name() {
         (vec![3.0], [false, false, false]),
     ] {
         let counted: Vec<Estimate> = values.iter().copied().map(Estimate::from).collect();
-        let expected = expected.map(|holds| if holds { Decision::Holds } else { Decision::Fails });
+        let expected = expected.map(|holds| if holds { Verdict::Holds } else { Verdict::DoesNotHold });
         assert_eq!([median, every, most].map(|rule| rule.decide(&counted)), expected, "{values:?}");
     }
     let open = Rule { over: Over::Every, least: None, most: Some(0.0) };
-    assert_eq!(open.decide(&[(-5.0).into(), 0.0.into()]), Decision::Holds);
-    assert_eq!(open.decide(&[1e-9.into()]), Decision::Fails);
+    assert_eq!(open.decide(&[(-5.0).into(), 0.0.into()]), Verdict::Holds);
+    assert_eq!(open.decide(&[1e-9.into()]), Verdict::DoesNotHold);
     assert_eq!(open.describe(), "every scene at most 0");
 }
 
@@ -240,7 +241,7 @@ fn open_intervals_decide_nothing() {
     let timed = |interval: [f64; 2]| Estimate::timed(f64::midpoint(interval[0], interval[1]), interval, []);
     let doubted = timed([1.4, 1.6]).doubted("drift".to_owned());
     let [inside, below, over_end] = [[1.2, 1.8], [0.1, 0.2], [1.5, 2.1]].map(timed);
-    use Decision::{Fails, Holds, Open};
+    use Verdict::{DoesNotHold as Fails, Holds, Undecided as Open};
     for (found, expected) in [
         (vec![&inside], [Holds; 3]),
         (vec![&below], [Fails; 3]),
@@ -459,28 +460,23 @@ fn told_functions_are_known() {
             Expression::List(all) => all.iter().for_each(|each| calls(each, found)),
             Expression::Rows { tracer, values, .. } => {
                 calls(tracer, found);
-                values.iter().filter_map(|(_, value)| value.as_ref()).for_each(|each| calls(each, found));
+                values.iter().for_each(|(_, value)| calls(value, found));
             }
             Expression::Sign(_, sides) => sides.iter().for_each(|each| calls(each, found)),
-            Expression::Call(name, arguments) => {
-                found.push((name.clone(), Some(arguments.len())));
-                arguments.iter().for_each(|each| calls(each, found));
-            }
-            Expression::Over(over) => {
-                found.push((over.name.clone(), None));
-                for Step::Each(_, is) | Step::Let(_, is) | Step::If(is) | Step::At(is) in &over.steps {
+            Expression::Call { name, steps, lenient, arguments } => {
+                found.push((name.clone(), (steps.is_empty() && !lenient).then_some(arguments.len())));
+                for Step::Each(_, is) | Step::If(is) in steps {
                     calls(is, found);
                 }
-                over.results.iter().for_each(|each| calls(each, found));
+                arguments.iter().for_each(|each| calls(each, found));
             }
         }
     }
     let unknown = |paper: &Paper, text: &str| -> Vec<String> {
         let mut found = Vec::new();
         calls(&Expression::try_from(text.to_owned()).unwrap(), &mut found);
-        let is_known = |(name, arguments): &(String, Option<usize>)| match (paper.told.functions.find(name), arguments)
-        {
-            (Some(own), Some(count)) => own.arguments.iter().filter(|argument| argument.len() > 1).count() == *count,
+        let is_known = |(name, arguments): &(String, Option<usize>)| match (paper.told.functions.get(name), arguments) {
+            (Some((own, _)), Some(count)) => own.iter().filter(|argument| argument.len() > 1).count() == *count,
             (None, Some(_)) => {
                 let known = functions::FUNCTIONS.iter().any(|(own, _)| own == name);
                 let figure = paper.figures.iter().any(|(own, _)| own == name);
@@ -495,16 +491,20 @@ fn told_functions_are_known() {
         found.into_iter().filter(|call| !is_known(call)).map(|(name, _)| name).collect()
     };
     for paper in PAPERS {
-        for file in ["quantities", "pages"] {
-            let path = format!("{}/src/papers/{}/{file}.json", env!("CARGO_MANIFEST_DIR"), paper.name);
+        for file in [format!("{}/quantities", paper.name), format!("{}/pages", paper.name), "pages".to_owned()] {
+            let path = format!("{}/src/papers/{file}.json", env!("CARGO_MANIFEST_DIR"));
             let told: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
             let functions = told["functions"].as_object().into_iter().flatten().map(|(_, is)| is);
             let quantities = told["quantities"].as_array().into_iter().flatten().map(|quantity| &quantity["is"]);
             let tables = told["tables"].as_object().into_iter().flatten();
-            let columns = tables.flat_map(|(_, table)| table["columns"].as_array().unwrap()).map(|column| &column[1]);
+            let of_table = |table: &serde_json::Value| -> Vec<serde_json::Value> {
+                let further = table["columns_of"][1].as_array().into_iter().flatten();
+                table["columns"].as_array().unwrap().iter().chain(further).map(|column| column[1].clone()).collect()
+            };
+            let columns: Vec<_> = tables.flat_map(|(_, table)| of_table(table)).collect();
             let charts = told["charts"].as_object().into_iter().flatten();
             let values = charts.flat_map(|(_, chart)| chart["panels"].as_array().unwrap()).map(|panel| &panel[2]);
-            for text in functions.chain(quantities).chain(columns).chain(values) {
+            for text in functions.chain(quantities).chain(&columns).chain(values) {
                 let text = text.as_str().unwrap();
                 assert_eq!(unknown(paper, text), Vec::<String>::new(), "{}: {text}", paper.name);
             }

@@ -22,9 +22,7 @@ pub(super) fn traced<'a>(row: &'a Row, rays: &str) -> Option<Timed<'a>> {
 
 /// Traces of a row, one set after the other.
 fn traced_together<'a>(row: &'a Row, sets: &[&str]) -> Option<Timed<'a>> {
-    let mut all = sets.iter().map(|rays| traced(row, rays));
-    let first = all.next()??;
-    all.try_fold(first, |sum, next| Some(sum.and(next?)))
+    sets.iter().map(|rays| traced(row, rays)).reduce(|sum, next| Some(sum?.and(next?)))?
 }
 
 /// What there is to doubt where a method was measured at one of its launch settings alone.
@@ -59,9 +57,8 @@ impl SceneRows<'_> {
 
     /// A ratio of two methods with those at other launch settings.
     fn at_launch_settings(&self, found: Estimate, one: &Row, other: &Row, sets: &[&str]) -> Option<Estimate> {
-        let [ones, others] =
-            [one, other].map(|row| self.rows.iter().copied().filter(|each| differ_in_launch(row, each)));
-        let (ones, others): (Vec<&Row>, Vec<&Row>) = (ones.collect(), others.collect());
+        let all = |row: &Row| self.rows.iter().copied().filter(|each| differ_in_launch(row, each)).collect::<Vec<_>>();
+        let (ones, others) = (all(one), all(other));
         if [(one, &ones), (other, &others)].iter().any(|(row, all)| row.tracer.launch().is_some() && all.len() < 2) {
             return Some(found.doubted(ONE_MEANS.to_owned()));
         }
@@ -69,8 +66,7 @@ impl SceneRows<'_> {
             return Some(found);
         }
         let time = |row: &Row| sets.iter().map(|rays| host_ms(&trace(row, rays)?.times)).sum::<Option<f64>>();
-        let all = at_launch_settings(&ones, &others, time, |one, other| self.together(one, other, sets));
-        Some(found.spread_over(all))
+        Some(found.spread_over(at_launch_settings(&ones, &others, time, |one, other| self.together(one, other, sets))))
     }
 }
 

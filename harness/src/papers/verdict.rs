@@ -5,7 +5,7 @@ use serde::Serialize;
 use tracebench_api::named;
 
 use super::Paper;
-use super::claims::{Claim, Decision, Rule, Test};
+use super::claims::{Claim, Rule, Test};
 use super::quantity::{OfScene, Quantity};
 use super::rows::Rows;
 use crate::results::Record;
@@ -95,8 +95,15 @@ pub struct MeasuredBy {
 }
 
 impl JudgedClaim {
-    fn not_measurable(claim: &Claim, reason: &str) -> Self {
-        Self::without_values(claim, Verdict::NotMeasurable, reason.to_owned())
+    /// One that no record was measured for.
+    fn unmeasured(claim: &Claim) -> Self {
+        let (verdict, reason) = match &claim.test {
+            Test::NotMeasurable { not_measurable } => (Verdict::NotMeasurable, not_measurable.clone()),
+            Test::Measured { table, .. } => {
+                (Verdict::NotMeasured, format!("no record of `tracebench table {table}` was given"))
+            }
+        };
+        Self::without_values(claim, verdict, reason)
     }
 
     fn without_values(claim: &Claim, verdict: Verdict, reason: String) -> Self {
@@ -106,18 +113,10 @@ impl JudgedClaim {
     }
 }
 
-/// Whether a run's device times are those of hardware.
-fn on_hardware(record: &Record) -> bool {
-    record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software")
-}
-
 /// Judges one claim of a paper by a run that was made for its table, or is taken for it.
 pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
-    let (table, name, either, scenes, rule) = match &claim.test {
-        Test::NotMeasurable { not_measurable } => {
-            return JudgedClaim::not_measurable(claim, not_measurable);
-        }
-        Test::Measured { table, quantity, either, scenes, rule } => (table, quantity, either, scenes, rule),
+    let Test::Measured { table, quantity: name, either, scenes, rule } = &claim.test else {
+        return JudgedClaim::unmeasured(claim);
     };
     let quantities: Option<Vec<_>> = std::iter::once(name).chain(either).map(|name| paper.quantity(name)).collect();
     let Some((experiment, quantities)) = paper.experiment(table).zip(quantities) else {
@@ -127,29 +126,28 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
     let about = rows.standing_for(experiment, scenes);
     // What stands for nothing decides nothing, and is shown all the same.
     let shown = if about.scenes.is_empty() { rows } else { &about };
-    let readings: Vec<_> = quantities.into_iter().map(|quantity| (quantity, quantity.values(shown))).collect();
-    let lacking = readings.iter().find(|(_, found)| found.is_empty()).map(|(quantity, _)| quantity.name);
-    let (verdict, reason) = match () {
-        () if about.scenes.is_empty() => {
+    let readings: Vec<_> = quantities.into_iter().map(|quantity| (quantity, quantity.values(paper, shown))).collect();
+    let adapter = rows.record.provenance.machine.adapter.as_ref().map_or("no", |adapter| &adapter.kind);
+    let (verdict, reason) = match readings.iter().find(|(_, found)| found.is_empty()) {
+        _ if about.scenes.is_empty() => {
             let of = if scenes.is_empty() { "any of the paper's".to_owned() } else { scenes.join(" or ") };
             (Verdict::NotMeasured, Some(format!("the record has no scene that stands for {of}")))
         }
-        () if lacking.is_some() => {
-            let name = lacking.unwrap_or_default();
+        Some((Quantity { name, .. }, _)) => {
             (Verdict::NotMeasured, Some(format!("the record has no scene with the rows of {table} that {name} takes")))
         }
-        () if claim.needs_hardware_raster && !on_hardware(rows.record) => {
+        None if claim.needs_hardware_raster && ["no", "software"].contains(&adapter) => {
             let reason = "needs times of hardware rasterization, the adapter is software";
             (Verdict::NotMeasurable, Some(reason.to_owned()))
         }
-        () => agreed(rule, &readings),
+        None => agreed(rule, &readings),
     };
     let record = rows.record;
     let measured_by = MeasuredBy {
         table: experiment.name.to_owned(),
         rows: rows.of_all(experiment),
         machine: record.provenance.machine.label(),
-        scope: scope(shown),
+        scope: scope(adapter, shown),
         preset: record.preset.clone(),
         commit: record.provenance.commit.clone(),
         started: record.provenance.started.clone(),
@@ -164,14 +162,14 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         median: (!values.is_empty()).then(|| crate::statistics::median(&plain)),
         values,
         either,
-        unit: readings[0].0.unit.to_owned(),
+        unit: readings[0].0.unit.clone(),
         scenes: [about.names(), if scenes.is_empty() { experiment.scenes.len() } else { scenes.len() }],
         measured_by: Some(measured_by),
     }
 }
 
 /// On what kind of adapter, at which frames and with how many rays a set something was measured.
-fn scope(rows: &Rows<'_>) -> String {
+fn scope(adapter: &str, rows: &Rows<'_>) -> String {
     let all = || rows.scenes.iter().flat_map(|scene| &scene.rows);
     let frames = all().map(|row| row.viewpoint.frame.map(|edge| edge.to_string()).join("x")).unique();
     let rays = all().flat_map(|row| &row.traces).map(|trace| trace.count).minmax().into_option();
@@ -179,12 +177,11 @@ fn scope(rows: &Rows<'_>) -> String {
         true => format!(", {least} rays a set"),
         false => format!(", {least} to {most} rays a set"),
     });
-    let kind = rows.record.provenance.machine.adapter.as_ref().map_or("no", |adapter| &adapter.kind);
-    format!("{kind} adapter, frame {}{rays}", frames.collect::<Vec<_>>().join(", "))
+    format!("{adapter} adapter, frame {}{rays}", frames.collect::<Vec<_>>().join(", "))
 }
 
 /// What every reading says: undecided with all that they say where it is not the same.
-fn agreed(rule: &Rule, readings: &[(Quantity<'_>, Vec<OfScene>)]) -> (Verdict, Option<String>) {
+fn agreed(rule: &Rule, readings: &[(&Quantity, Vec<OfScene>)]) -> (Verdict, Option<String>) {
     let each: Vec<_> = readings.iter().map(|(_, found)| decided(rule, found)).collect();
     if each.iter().all_equal() {
         return each[0].clone();
@@ -199,11 +196,8 @@ fn agreed(rule: &Rule, readings: &[(Quantity<'_>, Vec<OfScene>)]) -> (Verdict, O
 /// What a reading alone says.
 fn decided(rule: &Rule, found: &[OfScene]) -> (Verdict, Option<String>) {
     let estimates: Vec<_> = found.iter().map(|each| each.found.clone()).collect();
-    match rule.decide(&estimates) {
-        Decision::Holds => (Verdict::Holds, None),
-        Decision::Fails => (Verdict::DoesNotHold, None),
-        Decision::Open => (Verdict::Undecided, Some(open(rule, found))),
-    }
+    let verdict = rule.decide(&estimates);
+    (verdict, (verdict == Verdict::Undecided).then(|| open(rule, found)))
 }
 
 /// Why nothing is said, by scene.
@@ -215,7 +209,7 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
             (true, false) => "the interval does not separate".to_owned(),
             (true, true) => "equal and best launch settings disagree, or their intervals do not separate".to_owned(),
         };
-        rule.leaves_open(&of.found).then(|| format!("{}: {why}", of.scene))
+        (rule.place(&of.found) == Verdict::Undecided).then(|| format!("{}: {why}", of.scene))
     };
     let all: Vec<String> = found.iter().filter_map(why).collect();
     // Every scene's lies on one side, the median's between them does not.
@@ -227,21 +221,14 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
 pub fn judge_all(paper: &Paper, rows: &[Record]) -> Vec<JudgedClaim> {
     let mut judged = Vec::new();
     for claim in paper.claims.iter() {
-        let table = match &claim.test {
-            Test::Measured { table, .. } => table,
-            Test::NotMeasurable { not_measurable } => {
-                judged.push(JudgedClaim::not_measurable(claim, not_measurable));
-                continue;
-            }
-        };
-        let of_table = rows.iter().filter(|record| record.table.as_deref() == Some(table));
+        let is_of_table = |record: &&Record| record.table.as_deref().is_some_and(|table| claim.table() == Some(table));
+        let of_table = rows.iter().filter(is_of_table);
         let mut of_claim: Vec<_> = of_table.map(|record| judge(paper, claim, &Rows::of(&record.aligned()))).collect();
         if of_claim.iter().any(|each| each.verdict != Verdict::NotMeasured) {
             of_claim.retain(|each| each.verdict != Verdict::NotMeasured);
         }
         if of_claim.is_empty() {
-            let reason = format!("no record of `tracebench table {table}` was given");
-            of_claim.push(JudgedClaim::without_values(claim, Verdict::NotMeasured, reason));
+            of_claim.push(JudgedClaim::unmeasured(claim));
         }
         judged.extend(of_claim);
     }

@@ -266,8 +266,8 @@ pub struct Told {
 }
 
 /// Reads a file of the program's own, which tests hold whole.
-fn embedded<T: Deserialize<'static>>(text: &'static str) -> T {
-    serde_json::from_str(text).expect("tests read every registration")
+pub(crate) fn embedded<T: Deserialize<'static>>(text: &'static str) -> T {
+    serde_json::from_str(text).expect("tests read all of them")
 }
 
 /// What is told of a tracer reads as its registration's own.

@@ -101,7 +101,7 @@ pub fn likeness(effect: Effect, reference: &Image8, answer: &Image8) -> Result<I
     let mse = squares.sum::<f64>() / (3 * reference.pixels.len()) as f64;
     let failed = |error: image_compare::CompareError| ImageError::Failed(error.to_string());
     let ssim = gray_similarity_structure(&Algorithm::MSSIMSimple, &gray(reference)?, &gray(answer)?).map_err(failed)?;
-    let flip = effect.has_flip().then(|| {
+    let flip = effect.asks_any().then(|| {
         let map = flip(reference, answer).to_vec();
         map.iter().map(|value| f64::from(*value)).sum::<f64>() / map.len() as f64
     });
@@ -149,7 +149,7 @@ pub fn errors(reference: &Image8, answer: &Image8) -> Result<Vec<[f32; 3]>, Imag
 /// [`ImageError`] for images of different sizes, and without pixels.
 pub fn error_picture(effect: Effect, reference: &Image8, answer: &Image8) -> Result<Image8, ImageError> {
     let map = match errors(reference, answer)? {
-        _ if effect.has_flip() => flip(reference, answer).to_vec(),
+        _ if effect.asks_any() => flip(reference, answer).to_vec(),
         errors => errors.iter().map(|error| error.iter().fold(0.0, |most: f32, each| most.max(each.abs()))).collect(),
     };
     let colours = nv_flip::magma_lut().to_vec();

@@ -62,14 +62,9 @@ impl Effect {
         if self == Self::Depth { TraceTo::Hit } else { TraceTo::Surface }
     }
 
-    /// Whether any-hit rays are among its rays.
+    /// Whether any-hit rays are among its rays: its images then show light, which FLIP compares; depths and normals are none.
     pub fn asks_any(self) -> bool {
         !matches!(self, Self::Depth | Self::Normals)
-    }
-
-    /// Whether its images show light, which FLIP compares; depths and normals are none.
-    pub fn has_flip(self) -> bool {
-        self.asks_any()
     }
 
     /// Bounces after what the eye sees.
@@ -146,11 +141,9 @@ impl Stage {
             is_lambert(finish) && (material.metallic > 0.0 || material.roughness < 1.0)
         };
         let mut notes = vec!["textures and emission are ignored, normals are flat".to_owned()];
-        match finishes.iter().zip(materials).filter(glossy).count() {
-            0 => {}
-            count => {
-                notes.push(format!("gloss is ignored: {count} materials that have some are shaded as diffuse ones"));
-            }
+        let count = finishes.iter().zip(materials).filter(glossy).count();
+        if count > 0 {
+            notes.push(format!("gloss is ignored: {count} materials that have some are shaded as diffuse ones"));
         }
         if mirror_first {
             notes.push("no material mirrors or refracts: in mirror what the eye sees first is one".to_owned());

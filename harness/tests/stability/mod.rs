@@ -69,7 +69,7 @@ fn flaws(case: &Case, record: &CaseRecord) -> Vec<String> {
         check(ambiguous_rays <= MAX_TIES, format!("{ambiguous_rays} ties at {}", difficulty_level.difficulty_level));
     }
     let featured = record.difficulty_levels.last().unwrap().featured;
-    check(featured >= case.feature.least, format!("only {featured} {}", case.feature.what));
+    check(featured >= case.min_featured, format!("only {featured} {}", case.feature));
     flaws
 }
 
@@ -256,8 +256,8 @@ fn the_registry_is_sane() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), CASES.len());
-    for case in CASES {
-        let values = case.difficulty_parameter.values;
+    for case in CASES.iter() {
+        let values = &case.difficulty_parameter.values;
         assert!((4..=6).contains(&values.len()), "{}", case.name);
         let rising = values.windows(2).all(|pair| pair[0] < pair[1]);
         let falling = values.windows(2).all(|pair| pair[0] > pair[1]);
@@ -315,7 +315,7 @@ fn every_case_is_stated() {
         let differ = parameters(Preset::Published) != parameters(Preset::Improved);
         assert!(differ || tracer.improved.is_none(), "{}", tracer.name());
         for (preset, case) in Preset::ALL.into_iter().flat_map(|preset| CASES.iter().map(move |case| (preset, case))) {
-            let (column, values) = (tracer.column(preset), case.difficulty_parameter.values);
+            let (column, values) = (tracer.column(preset), &case.difficulty_parameter.values);
             let cell = format!("{column} on {}", case.name);
             let expected = tracer.expected_of(preset, case.name).unwrap_or_else(|| panic!("{cell} is unstated"));
             let record = expected.record(case.name, values, None);

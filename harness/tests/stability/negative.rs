@@ -187,7 +187,7 @@ fn falsified_expectations_fail() {
     // What fails, said to be exact, or to fail less or more; what is true passes.
     let needles = find("needles").unwrap();
     let stated =
-        ExpectedShares::stated().unwrap().of("bvh-cpu", needles.name, "software", needles.difficulty_parameter.values);
+        ExpectedShares::stated().unwrap().of("bvh-cpu", needles.name, "software", &needles.difficulty_parameter.values);
     let times = |factor: f64| {
         let at = |(value, share): (&f64, &Option<f64>)| format!("{value}:{}", factor * 100.0 * share.unwrap());
         needles.difficulty_parameter.values.iter().zip(&stated).map(at).collect::<Vec<_>>().join(" ")
@@ -235,7 +235,7 @@ fn no_answers_are_a_failure() {
 /// Proves that a case without its difficulty is noticed: the harmless end in the place of the hard one.
 #[test]
 fn a_case_that_shows_nothing_is_noticed() {
-    for case in CASES {
+    for case in CASES.iter() {
         let mut record = measured(case, &[]).case;
         assert_eq!(flaws(case, &record), Vec::<String>::new());
         record.difficulty_levels.truncate(1);

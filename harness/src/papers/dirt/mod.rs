@@ -5,7 +5,7 @@ pub(super) mod tests;
 
 use tracebench_api::MemoryEntry;
 
-use super::rows::{has, integer};
+use super::rows::{has, parameter};
 use super::{Paper, paper, vvp16};
 use crate::results::Row;
 
@@ -16,8 +16,6 @@ pub(super) static PAPER: Paper = paper!(
     by_formula
 );
 
-/// The tracer whose structure the formula of Table 3 is about.
-const DIRT: &str = "dirt";
 /// What the ledger calls the parts of the structure that Table 3 counts. It leaves the vertex buffer out, which rasterization has,
 /// and knows neither triangle setup nor copies in textures.
 const IN_TABLE_3: [&str; 2] = ["depth bounds texture", "id buffer"];
@@ -27,7 +25,7 @@ const OF_A_PIXEL: [f64; 4] = [4.0, 32.0, 3.0 * 32.0, 2.0];
 /// What Table 3 counts: depth bounds and lists as they are; a ray starts from every pixel of the frame (R_h), and each has its hit and
 /// three points. Of the A-buffer what its own paper counts.
 fn by_formula(row: &Row) -> Option<f64> {
-    if row.tracer.name != DIRT {
+    if row.tracer.name != "dirt" {
         return vvp16::by_formula(row);
     }
     let counted = |part: &&MemoryEntry| IN_TABLE_3.iter().any(|name| part.name.starts_with(name));
@@ -38,9 +36,9 @@ fn by_formula(row: &Row) -> Option<f64> {
 
 /// Tiles of all views, from the viewpoint alone.
 fn tiles(row: &Row) -> Option<f64> {
-    let tile_size = u32::try_from(integer(row, "tile_size")?).ok()?;
-    let [views, edges] =
-        if has(row, "views", "frame") { [[1, 1], row.viewpoint.frame] } else { [[6, 1], [row.viewpoint.face; 2]] };
-    let of_view: f64 = edges.iter().map(|edge| f64::from(edge.div_ceil(tile_size))).product();
-    Some(f64::from(views[0]) * of_view)
+    let tile_size = parameter(row, "tile_size")?;
+    let (views, edges) =
+        if has(row, "views", "frame") { (1.0, row.viewpoint.frame) } else { (6.0, [row.viewpoint.face; 2]) };
+    let of_view: f64 = edges.iter().map(|edge| (f64::from(*edge) / tile_size).ceil()).product();
+    Some(views * of_view)
 }

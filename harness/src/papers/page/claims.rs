@@ -1,7 +1,7 @@
 //! Claims with their verdicts: on an experiment's page, and all of a paper together.
 
 use crate::files;
-use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
+use crate::papers::{Claim, JudgedClaim, MeasuredBy, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
 use crate::report::document::Document;
 use crate::report::format::significant;
 use crate::report::sheet::{Sheet, Table};
@@ -81,11 +81,6 @@ fn verdict(judged: &JudgedClaim) -> String {
     format!("**{}**{part}{reason}", judged.verdict.name())
 }
 
-/// What part of a table's rows there was, unless all were there.
-fn rows_of([measured, all]: [usize; 2]) -> String {
-    if measured < all { format!("{measured} of {all} rows, ") } else { String::new() }
-}
-
 fn table(judged: &[JudgedClaim], with_table: bool) -> Table {
     let sheet = Sheet::<JudgedClaim>::new()
         .column("claim", |each| format!("`{}`: {}", each.claim.id, each.claim.statement))
@@ -98,19 +93,13 @@ fn table(judged: &[JudgedClaim], with_table: bool) -> Table {
     if with_table { sheet.column("table", measured_by).table(judged) } else { sheet.table(judged) }
 }
 
-/// The table with the run that it was measured in.
+/// The table with the run that it was measured in, and what part of its rows there was, unless all were there.
 fn measured_by(judged: &JudgedClaim) -> Option<String> {
-    match &judged.measured_by {
-        Some(by) => {
-            Some(format!("{}, {}preset {}, {}, {}", by.table, rows_of(by.rows), by.preset, by.scope, by.started))
-        }
-        None => judged.claim.table().map(str::to_owned),
-    }
-}
-
-/// Verdicts as JSON.
-pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, ReportError> {
-    Ok(files::json(name, &judged)?)
+    let Some(MeasuredBy { table, rows: [measured, all], preset, scope, started, .. }) = &judged.measured_by else {
+        return judged.claim.table().map(str::to_owned);
+    };
+    let rows = if measured < all { format!("{measured} of {all} rows, ") } else { String::new() };
+    Some(format!("{table}, {rows}preset {preset}, {scope}, {started}"))
 }
 
 /// All claims of a paper together.
@@ -121,9 +110,8 @@ fn claims_page(paper: &Paper, judged: &[JudgedClaim]) -> Document {
         let count = judged.iter().filter(|each| each.verdict == *verdict).count();
         format!("{}: {count}", verdict.name())
     });
-    let items = machines.chain(verdicts).map(|item| Document::default().item(item));
     let title = format!("Claims of {}", paper.published.paper.title);
-    Document::titled(&title).and(items).paragraph(HOW).table(table(judged, true))
+    Document::titled(&title).items(machines.chain(verdicts)).paragraph(HOW).table(table(judged, true))
 }
 
 /// The claims of every paper for one of whose tables a run was made, a page a paper.
@@ -142,6 +130,6 @@ pub fn claims_of(rows: &[Record]) -> Vec<Document> {
 pub(crate) fn claims_report(paper: &Paper, rows: &[Record]) -> Result<Report, ReportError> {
     let (stem, judged) = (format!("claims_{}", paper.name), judge_all(paper, rows));
     let name = format!("{stem}.json");
-    let data = vec![(name.clone(), json(&name, &judged)?)];
+    let data = vec![(name.clone(), files::json(&name, &judged)?)];
     Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, &judged))], data, ..Report::default() })
 }

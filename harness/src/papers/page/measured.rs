@@ -1,9 +1,8 @@
 //! What was measured: a paper's own sections, then structures and traces of every scene and resolution.
 
 use super::Page;
-use super::beside::{beside, by_part};
 use super::told;
-use crate::papers::rows::{self, trace};
+use crate::papers::rows::{right, statistic, trace};
 use crate::papers::{SceneRows, Scope};
 use crate::report::document::{Document, Of, set_heading};
 use crate::report::format::{self, significant, thousands};
@@ -23,13 +22,11 @@ pub(super) fn sections(page: &Page<'_>) -> Document {
         .and(at.filter_map(|at| at_resolution(page, &at)))
 }
 
-/// A section by name.
+/// A section by name: a table of the paper's, or one that all have.
 fn section(page: &Page<'_>, name: &str) -> Document {
-    match (name.strip_prefix("beside "), page.paper.pages.tables.get(name)) {
-        (Some(reference), _) => beside(page, reference),
-        (None, Some(told)) => told::section(page, told),
-        (None, None) => by_part(page),
-    }
+    let (name, reference) = name.strip_prefix("beside ").map_or((name, ""), |reference| ("beside", reference));
+    let told = page.paper.pages.tables.get(name).unwrap_or_else(|| &told::COMMON.tables[name]);
+    told::section(page, told, reference)
 }
 
 fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
@@ -57,7 +54,7 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
     let counts = page.paper.own.counts.iter().filter(|(name, _)| known(name));
     let count = |(name, heading): &(&'static str, &'static str)| {
         let name = *name;
-        Column::new(*heading, move |row: &&Row| rows::statistic(row, name).map(Cell::Statistic))
+        Column::new(*heading, move |row: &&Row| statistic(row, name).map(Cell::Statistic))
     };
     let in_scope = |(scope, heading): (Scope, &str)| {
         Column::new(heading, move |row: &&Row| page.paper.bytes(row, scope).map(Cell::Bytes))
@@ -90,20 +87,6 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
     Document::of(format!("**{title}**")).paragraph(cells::coverage(&all)).table(sheet.table(&all))
 }
 
-/// One over another, where there are both.
-fn over(own: Option<f64>, first: Option<f64>) -> Cell {
-    Cell::number(own.zip(first).map(|(own, first)| own / first), 3)
-}
-
-/// A figure of rows over that of the first one.
-pub(super) fn over_first<'a>(
-    heading: &str,
-    first: &'a Row,
-    of: impl Fn(&Row) -> Option<f64> + 'a,
-) -> Column<'a, &'a Row> {
-    Column::new(heading, move |row: &&Row| over(of(row), of(first)))
-}
-
 /// A speed or a time with the accuracy of the same rays.
 pub(in crate::papers) struct Accurate {
     /// Million rays a second, or milliseconds.
@@ -119,20 +102,19 @@ impl From<Accurate> for Cell {
 
 /// Speed with agreement under `tight`, of any-hit sets with balanced accuracy.
 pub(in crate::papers) fn speed_with_accuracy(trace: &TraceRecord) -> Option<Accurate> {
-    let (value, accuracy) = metrics::speed(trace).zip(rows::agreement(trace))?;
+    let accuracy = right(trace, "tight").or_else(|| right(trace, "balanced"));
+    let (value, accuracy) = metrics::speed(trace).zip(accuracy)?;
     Some(Accurate { value, accuracy: format!("{} %", format::percent(accuracy, metrics::trials(trace))) })
 }
 
-/// What stands above tables of times by [`time_with_accuracy`].
-pub(super) const TIMES: &str = "Times are medians by the host's clock with the accuracy of the same rays: agreement under hit_miss and footprint, of \
-                     any-hit sets balanced accuracy, the worst where several sets are added up.";
-
-/// Milliseconds of traces by the host's clock with the accuracy of the same rays, the least of theirs: agreement under `hit_miss`
-/// and `footprint`, of any-hit sets balanced accuracy. None where one could not be judged, so that no time stands without it.
-fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<Accurate> {
+/// Milliseconds of a row's ray sets by the host's clock with the accuracy of the same rays, the least of theirs: agreement under
+/// `hit_miss` and `footprint`, of any-hit sets balanced accuracy. None where it lacks a set or one could not be judged, so that no time
+/// stands without it.
+pub(in crate::papers) fn time_of(row: &Row, sets: &[&str]) -> Option<Accurate> {
     let mut ms = 0.0;
     let mut least: Option<(f64, String)> = None;
-    for trace in traces {
+    for rays in sets {
+        let trace = trace(row, rays)?;
         let percent = |share: f64| format::percent(share, metrics::trials(trace));
         let (accuracy, text) = match &trace.judgement {
             Judgement::Closest(closest) => {
@@ -150,14 +132,4 @@ fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<Accurate> {
         }
     }
     least.map(|(_, accuracy)| Accurate { value: ms, accuracy })
-}
-
-/// The same of a row's ray sets; none where it lacks one.
-pub(in crate::papers) fn time_of(row: &Row, sets: &[&str]) -> Option<Accurate> {
-    time_with_accuracy(&sets.iter().map(|rays| trace(row, rays)).collect::<Option<Vec<_>>>()?)
-}
-
-/// Its milliseconds alone, for ratios.
-pub(super) fn ms_of(row: &Row, sets: &[&str]) -> Option<f64> {
-    Some(time_of(row, sets)?.value)
 }

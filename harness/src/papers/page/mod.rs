@@ -1,6 +1,5 @@
 //! A paper's table or figure measured here: `table_NAME.md` and `verdicts_NAME.json`, with charts.
 
-mod beside;
 mod claims;
 pub(super) mod measured;
 mod published;
@@ -10,6 +9,7 @@ pub use claims::claims_of;
 pub(crate) use claims::claims_report;
 
 use super::{Experiment, Paper, PublishedTable, Rows, judge};
+use crate::files;
 use crate::report::chart::series::series;
 use crate::report::document::Document;
 use crate::report::{Report, ReportError, peers, summary};
@@ -67,7 +67,7 @@ pub(crate) fn report(paper: &'static Paper, experiment: &Experiment, record: &Re
     let verdicts = format!("verdicts_{}.json", experiment.name.replace('-', "_"));
     Ok(Report {
         pages: vec![(format!("{}.md", peers::stem(experiment.name)), document)],
-        data: vec![(verdicts.clone(), claims::json(&verdicts, &judged)?)],
+        data: vec![(verdicts.clone(), files::json(&verdicts, &judged)?)],
         ..Report::default()
     })
 }
@@ -83,14 +83,11 @@ fn notes(experiment: &Experiment, rows: &Rows<'_>) -> Document {
     }
     notes.extend(rows.scenes.iter().map(|scene| {
         let record = &scene.rows[0].scene;
-        let of = &record.name;
+        let scaled = if record.scale.is_some_and(|scale| scale != 1.0) { "is scaled down and " } else { "" };
         match experiment.stands_for(record) {
-            Some(published) => format!("{of} stands for the paper's {published}."),
-            None if record.scale.is_some_and(|scale| scale != 1.0) => {
-                format!("{of} is scaled down and stands for none of the paper's scenes.")
-            }
-            None => format!("{of} stands for none of the paper's scenes."),
+            Some(published) => format!("{} stands for the paper's {published}.", record.name),
+            None => format!("{} {scaled}stands for none of the paper's scenes.", record.name),
         }
     }));
-    Document::default().and(notes.into_iter().map(|note| Document::default().item(note)))
+    Document::default().items(notes)
 }

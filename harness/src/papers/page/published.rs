@@ -22,7 +22,7 @@ pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> Docume
             Some(all) => page.table(rows(table, all)),
         };
         let scopes = scopes(table).into_iter().map(|(names, scope)| format!("{}: {scope}.", names.join(", ")));
-        page.and(scopes.chain(table.notes.iter().cloned()).map(Document::of))
+        page.paragraphs(scopes.chain(table.notes.iter().cloned()))
     }))
 }
 

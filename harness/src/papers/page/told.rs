@@ -1,17 +1,19 @@
 //! Tables and charts of pages as a paper's data tells them: expressions over the rows that steps lead to.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use serde::Deserialize;
 
 use super::Page;
-use super::measured::TIMES;
 use crate::papers::evaluate::{Evaluation, Value};
 use crate::papers::expression::{Expression, Steps};
+use crate::registrations::embedded;
 use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
 use crate::report::document::Document;
 use crate::report::format::file_stem;
-use crate::report::sheet::{Cell, Sheet};
+use crate::report::markdown::literal;
+use crate::report::sheet::{Cell, Sheet, Table};
 
 /// What a paper's `pages.json` tells, by the names that experiments take.
 #[derive(Debug, Deserialize)]
@@ -34,10 +36,18 @@ pub(in crate::papers) struct ToldTable {
     /// Whether it is left out where it has no rows.
     #[serde(default)]
     optional: bool,
+    /// Of what there is a table each, and what stands above it: a name, and more words.
+    each: Option<(Steps, Expression, Expression)>,
     rows: Steps,
     /// Headings with what stands below them.
     columns: Vec<(String, Expression)>,
+    /// Further ones for each of what steps lead to.
+    #[serde(default)]
+    columns_of: (Steps, Vec<(Expression, Expression)>),
 }
+
+/// What experiments of any paper may take.
+pub(in crate::papers) static COMMON: LazyLock<Told> = LazyLock::new(|| embedded(include_str!("../pages.json")));
 
 /// A chart, or one for each of what steps lead to.
 #[derive(Debug, Deserialize)]
@@ -64,21 +74,47 @@ pub(in crate::papers) struct ToldChart {
     dashed: Option<Expression>,
 }
 
-/// A table with what stands above it.
-pub(super) fn section<'a>(page: &'a Page<'a>, told: &'a ToldTable) -> Document {
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
-    if let Some(mut at) = Evaluation::of_page(page) {
-        at.each(&told.rows, &mut |at| rows.push(told.columns.iter().map(|(_, is)| at.cell(is)).collect()));
-    }
-    let sheet = told.columns.iter().enumerate().fold(Sheet::<Vec<Cell>>::new(), |sheet, (place, (heading, _))| {
-        sheet.column(heading, move |row| row[place].clone())
-    });
+/// What stands above tables of times.
+const TIMES: &str = "Times are medians by the host's clock with the accuracy of the same rays: agreement under hit_miss and footprint, of \
+                     any-hit sets balanced accuracy, the worst where several sets are added up.";
+
+/// Its tables with what stands above them; `reference` is the tracer that they stand beside, if they do.
+pub(super) fn section<'a>(page: &'a Page<'a>, told: &'a ToldTable, reference: &'a str) -> Document {
     let words = if told.timed { format!("{TIMES} {}", told.words) } else { told.words.clone() };
-    let table = sheet.table(&rows);
-    match told.optional {
-        true => Document::default().below(words, table),
-        false => Document::of(words.trim_end()).table(table),
+    let words = words.trim_end().replace("{}", reference);
+    let mut at = Evaluation::of_page(page);
+    let Some((steps, name, rest)) = &told.each else {
+        let table = table(told, at.as_mut());
+        return if told.optional { Document::default().below(words, table) } else { Document::of(words).table(table) };
+    };
+    let mut parts = Vec::new();
+    if let Some(at) = &mut at {
+        at.variables.push(("$reference", Value::Text(reference)));
+        at.each(steps, &mut |at| {
+            let title = format!("**{}**{}", literal(&at.cell(name).describe()), at.cell(rest).describe());
+            parts.push(Document::of(title).table(table(told, Some(at))));
+        });
     }
+    Document::of(words).and(parts)
+}
+
+fn table<'a>(told: &'a ToldTable, at: Option<&mut Evaluation<'a>>) -> Table {
+    let (steps, further) = &told.columns_of;
+    let mut headings: Vec<String> = told.columns.iter().map(|(heading, _)| heading.clone()).collect();
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    if let Some(at) = at {
+        at.each(steps, &mut |at| headings.extend(further.iter().map(|(heading, _)| at.cell(heading).describe())));
+        at.each(&told.rows, &mut |at| {
+            let mut row: Vec<Cell> = told.columns.iter().map(|(_, is)| at.cell(is)).collect();
+            at.each(steps, &mut |at| row.extend(further.iter().map(|(_, is)| at.cell(is))));
+            rows.push(row);
+        });
+    }
+    let headings = headings.into_iter().enumerate();
+    let sheet = headings.fold(Sheet::<Vec<Cell>>::new(), |sheet, (place, heading)| {
+        sheet.column(heading, move |row: &Vec<Cell>| row[place].clone())
+    });
+    sheet.table(&rows)
 }
 
 /// Its charts.
@@ -104,7 +140,12 @@ fn chart<'a>(page: &Page<'_>, told: &'static ToldChart, at: &mut Evaluation<'a>)
             at.each(&told.lines, &mut |at| {
                 let label = words(at, &told.label);
                 let dashed = told.dashed.as_ref().is_some_and(|dashed| at.holds(dashed) == Some(true));
-                let values = steps.iter().map(|step| at.at_step(step, value));
+                let values = steps.iter().map(|step| {
+                    at.variables.push(("$step", step.clone()));
+                    let found = at.value(value).and_then(|value| value.number());
+                    at.variables.pop();
+                    found.map(|number| number.value)
+                });
                 series.push(Series { label, values: values.collect(), dashed });
             });
             let name = |step: &Value<'_>| step.clone().items().first().and_then(Value::text).unwrap_or_default();

@@ -19,8 +19,8 @@ use crate::plan::TracerRequest;
 use crate::rays::RaySet;
 use crate::registrations::Expectation;
 use crate::results::{
-    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, DifficultyParameterRecord, ExpectationRecord, NoAnswer,
-    Record, SceneRecord, Skipped, TrueCounts,
+    CaseRecord, CaseTracer, CasesRecord, DifficultyLevel, ExpectationRecord, NoAnswer, Record, SceneRecord, Skipped,
+    TrueCounts,
 };
 use crate::truth::{Answer, Truth};
 
@@ -54,11 +54,11 @@ impl Candidate {
     /// What is expected on a case, on an adapter of a kind with such a rasterizer.
     pub fn record(&self, case: &Case, kind: &str, rasterizer: Option<&Rasterizer>) -> Option<ExpectationRecord> {
         let (_, expected) = self.expected.iter().find(|(name, _)| *name == case.name)?;
-        let record = expected.record(case.name, case.difficulty_parameter.values, rasterizer);
+        let record = expected.record(case.name, &case.difficulty_parameter.values, rasterizer);
         if !record.kind.has_shares() {
             return Some(record);
         }
-        let wrong_shares = self.shares.of(&self.column, case.name, kind, case.difficulty_parameter.values);
+        let wrong_shares = self.shares.of(&self.column, case.name, kind, &case.difficulty_parameter.values);
         Some(ExpectationRecord { wrong_shares, ..record })
     }
 }
@@ -156,13 +156,9 @@ fn measure_case(
     Ok(CaseRecord {
         name: case.name.to_owned(),
         summary: case.summary.to_owned(),
-        difficulty_parameter: DifficultyParameterRecord {
-            name: case.difficulty_parameter.name.to_owned(),
-            unit: case.difficulty_parameter.unit.to_owned(),
-            values: case.difficulty_parameter.values.to_vec(),
-        },
-        feature: case.feature.what.to_owned(),
-        min_featured: case.feature.least,
+        difficulty_parameter: case.difficulty_parameter.clone(),
+        feature: case.feature.to_owned(),
+        min_featured: case.min_featured,
         difficulty_levels,
         invalid,
         tracers,
@@ -209,7 +205,7 @@ fn describe(
     let setup = case.setup(difficulty_level);
     let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(answers);
     let probe = Probe { setup: &setup, truth, answers };
-    let featured = (0..setup.rays.len()).filter(|index| (case.feature.has)(&probe, *index)).count();
+    let featured = (0..setup.rays.len()).filter(|index| case.shows(&probe, *index)).count();
     let count = setup.rays.len() as u64;
     Ok(DifficultyLevel {
         difficulty_level,

@@ -369,7 +369,7 @@ fn scenes_are_ranked() {
         assert!(values(name, &scenes(&six[..5])).is_empty(), "{name}");
     }
     let found = |record: &Record| {
-        PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&Rows::of(record)).remove(0).found
+        PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&PAPER, &Rows::of(record)).remove(0).found
     };
     // Two of 720 orders: every pair in order, and none.
     assert_eq!(found(&record).note.as_deref(), Some("exact p 0.0028 over 6 scenes"));
@@ -381,7 +381,8 @@ fn scenes_are_ranked() {
     // Nine pairs of fifteen in order, six not: most orders are as strong.
     close(value("rank_of_bytes_by_triangles", &mixed), 0.2);
     assert_eq!(found(&mixed).doubts.len(), 1);
-    let shown = SceneValue::from(&PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&Rows::of(&record))[0]);
+    let shown =
+        SceneValue::from(&PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&PAPER, &Rows::of(&record))[0]);
     assert_eq!(shown.scene, "all scenes (exact p 0.0028 over 6 scenes)");
 }
 
@@ -461,8 +462,9 @@ fn voxels_alone_are_compared() {
 /// something else, the interval reaches there.
 #[test]
 fn a_walk_is_linear_beyond_what_is_fixed() {
-    let found =
-        |record: &Record| PAPER.quantity("voxel_walk_exponents").unwrap().values(&Rows::of(record)).remove(0).found;
+    let found = |record: &Record| {
+        PAPER.quantity("voxel_walk_exponents").unwrap().values(&PAPER, &Rows::of(record)).remove(0).found
+    };
     let record = run_of(figure_9("a"));
     let linear = found(&record);
     close(linear.value, 1.0);

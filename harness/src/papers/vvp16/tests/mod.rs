@@ -55,7 +55,7 @@ fn rows_differ_in_what_they_are_about_alone() {
         run_of(vec![with("seven", "all"), coarse, with("six", "one"), with("seven", "one"), with("six", "all")]);
     let rows = Rows::of(&record);
     let of = |values: &[(&str, &str)]| {
-        let found = rows.scenes[0].like_first("fragment-abuffer", values)?;
+        let found = fixture::like_first(&rows.scenes[0], "fragment-abuffer", values)?;
         Some(
             [&found.tracer.parameters["views"], &found.tracer.parameters["layers"]]
                 .map(|value| value.as_str().unwrap()),
@@ -64,7 +64,7 @@ fn rows_differ_in_what_they_are_about_alone() {
     assert_eq!(of(&[]), Some(["seven", "all"]));
     assert_eq!(of(&[("views", "six")]), Some(["six", "all"]));
     assert_eq!(of(&[("layers", "one")]), Some(["seven", "one"]));
-    let one = rows.scenes[0].like_first("fragment-abuffer", &[("layers", "one")]).unwrap();
+    let one = fixture::like_first(&rows.scenes[0], "fragment-abuffer", &[("layers", "one")]).unwrap();
     assert_eq!(one.viewpoint.face, 256);
     assert_eq!(
         (of(&[("views", "frame")]), of(&[("thickness", "0"), ("view_steps", "100")])),

@@ -4,7 +4,9 @@ use serde_json::json;
 
 use super::{contends, quadtree, say, set_cause, set_causes, timed, value, values};
 use crate::papers::Rows;
-use crate::papers::fixture::{COUNT, close, count, in_a_million, run_of, set_build, set_classes, set_time, trace_of};
+use crate::papers::fixture::{
+    COUNT, close, count, in_a_million, like_first, run_of, set_build, set_classes, set_time, trace_of,
+};
 use crate::results::{Judgement, Record, Row};
 
 /// One layer and two of both marching methods, and the height field, in a part of Table 3.
@@ -140,7 +142,7 @@ fn parts_are_told_by_their_rays() {
     let of = |cameras: &str| scene.of_rays(&[("light_field_cameras", cameras)]).rows.len();
     assert_eq!([of("4"), of("16"), of("8")], [1, 1, 0]);
     // A row is like the first of its own part alone.
-    assert!(scene.like_first("quadtree", &[("layers", "2")]).is_none());
+    assert!(like_first(scene, "quadtree", &[("layers", "2")]).is_none());
 }
 
 /// A light field is compared with the fastest hierarchy, many cameras against few.
@@ -256,7 +258,8 @@ fn rows_are_held_against_two_layers() {
     close(value("geometry_normals_agreement_change", &record), 0.0);
     close(value("undilated_false_misses_beyond", &record), in_a_million(50) / 2.0);
     close(value("undilated_false_misses_beyond_flagged", &record), in_a_million(40) / 2.0);
-    let beyond = super::PAPER.quantity("undilated_false_misses_beyond").unwrap().values(&Rows::of(&record));
+    let beyond =
+        super::PAPER.quantity("undilated_false_misses_beyond").unwrap().values(&super::PAPER, &Rows::of(&record));
     let [low, high] = beyond[0].found.interval;
     assert!(low < beyond[0].found.value && beyond[0].found.value < high, "{low} {high}");
     close(value("dda_hit_miss_change", &record), -0.03);
