@@ -148,8 +148,7 @@ fn right_heading(query: Query) -> String {
 
 /// The rows of a ray set beside hierarchies.
 pub(super) fn table(place: Place<'_>) -> Document {
-    let right =
-        |row: &&Row| place.set.trace_of(row).and_then(right_of).map_or_else(|| NONE.to_owned(), |(_, said)| said);
+    let right = |row: &&Row| place.set.trace_of(row).and_then(right_of).map(|(_, said)| said);
     let mut sheet =
         Sheet::<&Row>::new().column("tracer", |row| row.label()).column(right_heading(place.set.query), right);
     for ((what, span), (comparator, whose, _)) in SPANS.into_iter().cartesian_product(COMPARATORS) {

@@ -40,7 +40,7 @@ pub(super) fn tables(query: Query, rows: &[TableRow<'_>]) -> Document {
     for rule in rules.iter().copied() {
         sheet = sheet.column(format!("right by {rule} ↑"), move |(_, (_, of))| share(right(of, rule), of.rays));
     }
-    let of_rules = |(row, of)| rules.iter().map(move |rule| (row, *rule, of));
+    let of_rules = |(row, of)| rules.iter().map(move |rule| (row, (*rule, of)));
     let handed: Vec<_> = counted().flat_map(of_rules).collect();
     Document::default()
         .below("Right answers by the status that the tracer gave:", sheet.table(&statuses))
@@ -56,18 +56,18 @@ fn right(of: &StatusCounts, rule: &str) -> u64 {
     of.right.get(rule).copied().unwrap_or(0)
 }
 
-fn trusts(rows: &[(TableRow<'_>, &str, ByStatus<'_>)]) -> Table {
+fn trusts(rows: &[(TableRow<'_>, (&str, ByStatus<'_>))]) -> Table {
     // Wrong and right rays; of a trust those that it hands over.
     let split = |rule: &str, of: ByStatus<'_>, trusted: &[Status]| {
         let handed = of.iter().filter(|(name, _)| !trusted.iter().any(|status| status.name() == *name));
         handed.fold([0, 0], |[wrong, fine], (_, of)| [wrong + of.rays - right(of, rule), fine + right(of, rule)])
     };
     let mut sheet =
-        Sheet::<(TableRow<'_>, &str, ByStatus<'_>)>::new().name().column("rule", |(_, rule, _)| (*rule).to_owned());
+        Sheet::<(TableRow<'_>, (&str, ByStatus<'_>))>::new().name().column("rule", |(_, (rule, _))| (*rule).to_owned());
     for (place, kind) in ["wrong rays", "right rays"].into_iter().enumerate() {
-        sheet = sheet.column(kind, move |(_, rule, of)| split(rule, of, &[])[place]);
+        sheet = sheet.column(kind, move |(_, (rule, of))| split(rule, of, &[])[place]);
         for (trust, trusted) in TRUSTED {
-            sheet = sheet.column(format!("of {kind} handed over by {trust}"), move |(_, rule, of)| {
+            sheet = sheet.column(format!("of {kind} handed over by {trust}"), move |(_, (rule, of))| {
                 share(split(rule, of, trusted)[place], split(rule, of, &[])[place])
             });
         }

@@ -28,15 +28,9 @@ impl Told for TableRow<'_> {
     }
 }
 
-impl<T> Told for (TableRow<'_>, T) {
+impl<R: Told, T> Told for (R, T) {
     fn told(&self) -> Option<TableRow<'_>> {
-        Some(self.0)
-    }
-}
-
-impl<T, U> Told for (TableRow<'_>, T, U) {
-    fn told(&self) -> Option<TableRow<'_>> {
-        Some(self.0)
+        self.0.told()
     }
 }
 
@@ -163,16 +157,11 @@ fn contends((role, ..): &TableRow<'_>) -> bool {
 
 /// The intervals' coverage, which few samples cannot bring to 95 %.
 pub(crate) fn coverage(rows: &[TableRow<'_>]) -> String {
-    let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Tracer && !trace.times.samples_ms.is_empty());
-    let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
-    for (_, _, trace) in timed {
-        low = low.min(trace.times.interval_coverage);
-        high = high.max(trace.times.interval_coverage);
-        samples = samples.min(trace.times.samples_ms.len() as u64);
-    }
-    if !low.is_finite() {
-        return String::new();
-    }
+    let timed =
+        || rows.iter().filter(|row| contends(row) && !row.2.times.samples_ms.is_empty()).map(|row| &row.2.times);
+    let coverages = timed().map(|times| times.interval_coverage);
+    let Some((low, high)) = coverages.minmax().into_option() else { return String::new() };
+    let samples = timed().map(|times| times.samples_ms.len()).min().unwrap_or(0);
     let share = |share: f64| format!("{:.1} %", share * 100.0);
     let range = if low == high { share(low) } else { format!("{} to {}", share(low), share(high)) };
     format!("At least {samples} samples a row; the intervals of times cover the median with {range}.")

@@ -6,7 +6,7 @@ use super::document::Document;
 use super::format::{self, NONE, clock, optional, percent, significant, thousands};
 use super::sheet::{Cell, Sheet, Table};
 use crate::compare::{Accuracy, BuildRow, Changes, Comparison, Key, Shift, Side, Speed, TraceRow};
-use crate::results::{MIN_ROUNDS, Movement, Ratio};
+use crate::results::{MIN_ROUNDS, Movement};
 
 /// The whole comparison, as Markdown.
 pub fn comparison_text(comparison: &Comparison) -> String {
@@ -78,11 +78,7 @@ fn movement(speed: &Speed) -> Option<String> {
         Movement::Faster => "faster",
         Movement::Within | Movement::Undecided => return None,
     };
-    Some(format!("{what}, ratio {}", with_interval(&ratio)))
-}
-
-fn with_interval(ratio: &Ratio) -> String {
-    format::with_interval(ratio.value, ratio.interval, 3)
+    Some(format!("{what}, ratio {}", Cell::from(ratio).describe()))
 }
 
 /// With clock, times and ratio of a row, and what is to be said of it.

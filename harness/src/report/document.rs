@@ -16,11 +16,8 @@ use crate::results::SceneRecord;
 pub(crate) enum Block {
     /// A heading with its level, 1 for the title, and what is below it.
     Heading(usize, String, Of),
-    /// A paragraph.
     Words(String),
-    /// An item of a list.
     Item(String),
-    /// A table.
     Table(Table),
     /// A chart: its file without the end, what it shows, and itself.
     Chart(String, String, Chart),
@@ -29,16 +26,13 @@ pub(crate) enum Block {
 /// What a part belongs to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Of {
-    /// The scene.
     pub scene: Option<String>,
-    /// The ray set.
     pub rays: Option<String>,
 }
 
 /// A document.
 #[derive(Debug, Default)]
 pub struct Document {
-    /// Its parts.
     pub(crate) blocks: Vec<Block>,
 }
 

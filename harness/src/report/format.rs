@@ -1,5 +1,6 @@
 //! Numbers and names as text.
 
+use itertools::Itertools as _;
 use serde::Serialize;
 use tracebench_api::{ClockKind, Query};
 
@@ -79,14 +80,7 @@ pub(super) fn percent_with_interval(share: f64, interval: Option<[f64; 2]>, tria
 /// A count with commas between thousands.
 pub(crate) fn thousands(count: u64) -> String {
     let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).join(",")
 }
 
 /// What a structure says of itself: a count with commas, or a number.
@@ -97,6 +91,11 @@ pub(crate) fn statistic(value: f64) -> String {
 /// Bytes as MiB (2^20 bytes).
 pub(crate) fn mib(bytes: u64) -> String {
     significant(bytes as f64 / f64::from(1 << 20), 4)
+}
+
+/// Edges of an image.
+pub(super) fn size([width, height]: [u32; 2]) -> String {
+    format!("{width}×{height}")
 }
 
 /// A clock's name.

@@ -189,13 +189,9 @@ fn some_median(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| median(values))
 }
 
-/// Whether the share of wrong rays by a rule ranks tracers as an error that is seen does: by scene and effect, exact tracers left out.
-struct Ranking {
-    seen: &'static str,
-    rule: &'static str,
-    /// By scene and effect.
-    correlations: Vec<f64>,
-}
+/// An error that is seen, a rule, and whether the share of wrong rays by it ranks tracers as that does: by scene and effect, exact tracers left
+/// out.
+type Ranking = (&'static str, &'static str, Vec<f64>);
 
 fn rankings(section: &FramesRecord) -> Vec<Ranking> {
     let is_sampled = |shown: &Shown<'_>| {
@@ -215,22 +211,22 @@ fn rankings(section: &FramesRecord) -> Vec<Ranking> {
                     .collect();
                 rank_correlation(&pairs)
             };
-            rankings.push(Ranking { seen, rule: rule.name(), correlations: all.filter_map(correlation).collect() });
+            rankings.push((seen, rule.name(), all.filter_map(correlation).collect()));
         }
     }
-    rankings.retain(|ranking| !ranking.correlations.is_empty());
+    rankings.retain(|(.., each): &Ranking| !each.is_empty());
     rankings
 }
 
 fn ranked(section: &FramesRecord) -> Document {
     let sheet = Sheet::<Ranking>::new()
-        .column("error", |ranking| ranking.seen)
-        .column("rule", |ranking| ranking.rule)
-        .column("scenes and effects", |ranking| ranking.correlations.len() as u64)
-        .column("rank correlation, median ↑", |ranking| Cell::number(median(&ranking.correlations), 2))
-        .column("least", |ranking| Cell::number(ranking.correlations.iter().copied().reduce(f64::min), 2))
-        .column("greatest", |ranking| Cell::number(ranking.correlations.iter().copied().reduce(f64::max), 2))
-        .column("each", |ranking| ranking.correlations.iter().map(|one| significant(*one, 2)).join(", "));
+        .column("error", |(seen, ..)| *seen)
+        .column("rule", |(_, rule, _)| *rule)
+        .column("scenes and effects", |(.., each)| each.len() as u64)
+        .column("rank correlation, median ↑", |(.., each)| Cell::number(median(each), 2))
+        .column("least", |(.., each)| Cell::number(each.iter().copied().reduce(f64::min), 2))
+        .column("greatest", |(.., each)| Cell::number(each.iter().copied().reduce(f64::max), 2))
+        .column("each", |(.., each)| each.iter().map(|one| significant(*one, 2)).join(", "));
     let rankings = rankings(section);
     if rankings.is_empty() {
         return Document::default();
@@ -312,12 +308,10 @@ fn updates(series: &FrameSeries) -> String {
 }
 
 fn bytes(series: &FrameSeries) -> Cell {
-    let [Some(first), Some(last)] = [series.frames.first(), series.frames.last()] else { return Cell::Absent };
+    let ends = (series.frames.first(), series.frames.last(), series.is_control());
+    let (Some(first), Some(last), false) = ends else { return Cell::Absent };
     let most = |of: fn(&FrameRow) -> u64| series.frames.iter().map(of).max().unwrap_or(0);
     let [most, peak] = [most(|row| row.structure_bytes), most(|row| row.build_peak_bytes)];
-    if series.is_control() {
-        return Cell::Absent;
-    }
     let parts = [first.structure_bytes, last.structure_bytes, most].map(format::mib);
     format!("{}, {}", parts.join(" / "), format::mib(peak)).into()
 }

@@ -13,13 +13,10 @@ use crate::results::{Paired, Record, Row, SceneRecord, Timed, TraceRecord, Viewp
 pub(super) struct Group<'a> {
     /// The part of file names that distinguishes groups.
     pub stem: String,
-    /// The scene.
     pub scene: &'a SceneRecord,
     /// The viewpoint; frame and face may differ between tracers.
     pub viewpoint: &'a ViewpointRecord,
-    /// The controls.
     pub controls: Vec<&'a Row>,
-    /// The configurations.
     pub configs: Vec<&'a Row>,
     /// The ray sets that any of them traced, in order of first appearance.
     pub ray_sets: Vec<RaySet<'a>>,
@@ -32,7 +29,6 @@ pub(super) struct RaySet<'a> {
     pub title: String,
     /// What is asked.
     pub query: Query,
-    /// Number of rays.
     pub count: u64,
     name: &'a str,
     sha256: &'a str,
@@ -164,30 +160,19 @@ pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
 /// Parts of file names that tell scenes apart, of their names, hashes and viewpoints' names: the scene's name where that is
 /// enough; else with the scene's hash, the viewpoint's name, at last a number.
 pub(super) fn stems(of: &[[&str; 3]]) -> Vec<String> {
-    let plain: Vec<String> = of.iter().map(|[name, ..]| format::file_stem(name)).collect();
-    let hashed = |([_, hash, _], plain): (&[&str; 3], &String)| {
-        format!("{plain}-{}", format::file_stem(&format::hash_prefix(hash)))
-    };
-    let hashed: Vec<String> = of.iter().zip(&plain).map(hashed).collect();
+    let plain = |[name, ..]: &[&str; 3]| format::file_stem(name);
+    let hashed = |of: &[&str; 3]| format!("{}-{}", plain(of), format::file_stem(&format::hash_prefix(of[1])));
+    let whole = |of: &[&str; 3]| format!("{}-{}", hashed(of), format::file_stem(of[2]));
+    let all: [Vec<String>; 3] =
+        [of.iter().map(plain).collect(), of.iter().map(hashed).collect(), of.iter().map(whole).collect()];
     // Some file systems do not tell capitals from small letters.
     let shared = |names: &[String], name: &str| names.iter().filter(|other| other.eq_ignore_ascii_case(name)).count();
     let mut taken = BTreeSet::new();
-    let mut stems = Vec::new();
-    for (index, [_, _, viewpoint]) in of.iter().enumerate() {
-        let wanted = if shared(&plain, &plain[index]) == 1 {
-            plain[index].clone()
-        } else if shared(&hashed, &hashed[index]) == 1 {
-            hashed[index].clone()
-        } else {
-            format!("{}-{}", hashed[index], format::file_stem(viewpoint))
-        };
-        let mut stem = wanted.clone();
-        let mut number = 2;
-        while !taken.insert(stem.to_ascii_lowercase()) {
-            stem = format!("{wanted}-{number}");
-            number += 1;
-        }
-        stems.push(stem);
-    }
-    stems
+    let stem = |index: usize| {
+        let own = all.iter().find(|names| shared(names, &names[index]) == 1).unwrap_or(&all[2]);
+        let wanted = &own[index];
+        let numbered = (2..).map(|number| format!("{wanted}-{number}"));
+        std::iter::once(wanted.clone()).chain(numbered).find(|stem| taken.insert(stem.to_ascii_lowercase()))
+    };
+    (0..of.len()).filter_map(stem).collect()
 }

@@ -13,11 +13,9 @@ const DIGITS: usize = 32;
 /// What lies where a record says that a picture is.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Kept {
-    /// The picture.
     Picture(Vec<u8>),
     /// Something else under its name.
     Other,
-    /// Nothing.
     Missing,
 }
 

@@ -12,9 +12,7 @@ use crate::results::{Accuracy, AnyJudgement, ClosestJudgement, Judgement, Row, S
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Better {
-    /// More is better.
     Higher,
-    /// Less is better.
     Lower,
     /// Neither: it describes.
     Neither,
@@ -41,7 +39,6 @@ pub(crate) struct Metric {
     pub label: &'static str,
     /// Unit; empty for shares.
     pub unit: &'static str,
-    /// Which way is better.
     pub better: Better,
     source: Source,
 }

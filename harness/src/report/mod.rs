@@ -10,13 +10,11 @@ pub(crate) mod cells;
 pub(crate) mod chart;
 mod check;
 mod compare;
-mod distances;
 pub(crate) mod document;
 mod error;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
-mod flat;
 pub(crate) mod format;
 mod frames;
 pub(crate) mod group;
@@ -53,13 +51,13 @@ pub use check::check;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::EXPLAIN_PAGE;
-pub use flat::flat_table;
 pub use frames::FRAMES_PAGE;
 pub use html::{Claims, MAX_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
+pub use tables::flat_table;
 pub use terminal::run_table;
 pub use tune::TUNE_PAGE;
 
@@ -134,15 +132,12 @@ pub type Tables = fn(&Record) -> Result<Report, ReportError>;
 pub(crate) enum Section {
     /// Fronts, which have sections of their own.
     Fronts,
-    /// What structures need.
     Need,
     /// A table of peers or of a paper.
     Table,
-    /// Cases.
     Matrix,
     /// Other studies.
     Study,
-    /// Plain runs.
     Run,
 }
 
@@ -150,7 +145,6 @@ pub(crate) enum Section {
 pub(crate) struct Study {
     /// The verb that measures it.
     pub verb: &'static str,
-    /// Where its pages stand.
     pub section: Section,
     /// What the names of its charts begin with.
     stems: &'static [&'static str],

@@ -1,4 +1,4 @@
-//! Needs: `need.md` and a chart a scene and ray set.
+//! Needs: `need.md` and a chart a scene.
 
 #[cfg(test)]
 mod tests;
@@ -9,14 +9,15 @@ use itertools::Itertools as _;
 
 use super::chart::Chart;
 use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
-use super::document::{Document, Of};
-use super::format::{self, significant, thousands};
+use super::document::Document;
+use super::format::{significant, thousands};
 use super::group::{gathered, groups, stems};
-use super::markdown::literal;
 use super::sheet::{Cell, Column, Sheet, Table};
 use super::{Report, metrics, rows, summary};
-use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord};
-use crate::studies::need::{Axis, Curve, Need, Step, Transfer, curves, transfers};
+use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord, values_label};
+use crate::studies::need::{
+    Axis, Curve, Need, OfTracer, Outcome, Step, Thumb, Transfer, Tried, curves, rules, transfers,
+};
 
 /// The page.
 pub const NEED_PAGE: &str = "need.md";
@@ -27,11 +28,10 @@ const MIN_DRAWN: f64 = 0.1;
 /// What the names of its charts begin with.
 pub(in crate::report) const STEM: &str = "need_";
 
-/// The curves of one ray set in one scene, from all of its viewpoints.
+/// The curves of one scene, from all of its viewpoints, by ray set.
 struct Shown<'a> {
     scene: &'a SceneRecord,
-    rays: &'a str,
-    curves: Vec<&'a Curve<'a>>,
+    sets: Vec<(&'a str, Vec<&'a Curve<'a>>)>,
     /// What its chart is called, without its end.
     chart: String,
 }
@@ -42,26 +42,25 @@ pub(super) fn report(record: &Record) -> Option<Report> {
     let curves = curves(record, section);
     let steps = || curves.iter().flat_map(structures);
     let of_rows = rows(record, &groups(record), of_steps(Sheet::new()), |(.., (.., trace))| {
-        steps().find(|row| row.step.trace.is_some_and(|own| ptr::eq(own, *trace)))
+        steps().find(|(_, step)| step.trace.is_some_and(|own| ptr::eq(own, *trace)))
     });
     Some(Report::of_page(NEED_PAGE, page(record, section, &curves)).and(of_rows))
 }
 
-/// Curves by scene and ray set, in the order of first appearance.
+/// Curves by scene, in the order of first appearance.
 fn shown<'a>(record: &'a Record, curves: &'a [Curve<'a>]) -> Vec<Shown<'a>> {
     let of_row = |curve: &'a Curve<'a>| Some((&record.rows.iter().find(|row| curve.section.holds(row))?.scene, curve));
-    let placed: Vec<(&SceneRecord, &Curve<'_>)> = curves.iter().filter_map(of_row).collect();
-    // Scenes of one name are distinguished; ray sets have their own part of the name.
-    let scenes = placed.iter().map(|(scene, _)| [&*scene.name, &*scene.sha256, ""]).unique_by(|known| known[1]);
-    let scenes = scenes.collect_vec();
-    let stems = stems(&scenes);
-    let by_set = gathered(placed.into_iter().map(|(scene, curve)| ((&scene.sha256, curve.rays), (scene, curve))));
-    let of_set = |((sha256, rays), all): ((&String, &'a str), Vec<(&'a SceneRecord, &'a Curve<'a>)>)| {
-        let place = scenes.iter().position(|known| known[1] == sha256).unwrap_or(0);
-        let chart = format!("{STEM}{}_{}", stems[place], format::file_stem(rays));
-        Shown { scene: all[0].0, rays, curves: all.into_iter().map(|(_, curve)| curve).collect(), chart }
-    };
-    by_set.into_iter().map(of_set).collect()
+    let placed = curves.iter().filter_map(of_row).map(|(scene, curve)| (&scene.sha256, (scene, curve)));
+    let scenes = gathered(placed);
+    // Scenes of one name are distinguished.
+    let named = scenes.iter().map(|(sha256, all)| [&*all[0].0.name, sha256.as_str(), ""]);
+    let stems = stems(&named.collect_vec());
+    let of_scene = scenes.into_iter().zip(stems).map(|((_, all), stem)| {
+        let scene = all[0].0;
+        let sets = gathered(all.into_iter().map(|(_, curve)| (curve.rays, curve)));
+        Shown { scene, sets, chart: format!("{STEM}{stem}") }
+    });
+    of_scene.collect()
 }
 
 /// A tracer with its preset unless it is the published one.
@@ -69,11 +68,12 @@ fn config(curve: &NeedCurve) -> String {
     results::config(&curve.tracer, &curve.preset)
 }
 
-/// A panel a tracer and axis: what its steps lose, from every viewpoint. None where there is nothing to shrink.
+/// A panel a ray set, tracer and axis: what its steps lose, from every viewpoint. None where there is nothing to shrink.
 fn chart(record: &Record, section: &NeedRecord, shown: &Shown<'_>) -> Option<Chart> {
     let limit = section.max_lost_share * 100.0;
     let mut panels = Vec::new();
-    for (tracer, own) in gathered(shown.curves.iter().map(|curve| (config(curve.section), *curve))) {
+    let of_sets = shown.sets.iter().flat_map(|(rays, curves)| curves.iter().map(move |curve| (*rays, *curve)));
+    for ((rays, tracer), own) in gathered(of_sets.map(|(rays, curve)| ((rays, config(curve.section)), curve))) {
         for axis in &own[0].axes {
             let steps: Vec<String> = axis.steps.iter().map(|step| value_of(axis, step)).collect();
             let of_curve = |curve: &&Curve<'_>| {
@@ -86,7 +86,7 @@ fn chart(record: &Record, section: &NeedRecord, shown: &Shown<'_>) -> Option<Cha
             let label = format!("limit, {} %", significant(limit, 2));
             let limit = Series { label, values: vec![Some(limit); steps.len()], dashed: true };
             panels.push(SeriesPanel {
-                title: format!("{tracer}: {}", axis.name),
+                title: format!("{rays}, {tracer}: {}", axis.name),
                 of: Some(tracer.clone()),
                 setting: axis.name.to_owned(),
                 series: own.iter().filter_map(of_curve).chain([limit]).collect(),
@@ -98,7 +98,7 @@ fn chart(record: &Record, section: &NeedRecord, shown: &Shown<'_>) -> Option<Cha
     let (name, triangles) = (&shown.scene.name, thousands(shown.scene.triangles));
     let chart = SeriesChart {
         stem: shown.chart.clone(),
-        title: format!("The need curve: {name} ({triangles} triangles), {}", shown.rays),
+        title: format!("The need curve: {name} ({triangles} triangles)"),
         subtitle: format!(
             "newly wrong less newly right rays of smaller structures, upper end of the paired 95 % interval; what is below {} % is drawn there",
             significant(section.max_lost_share * MIN_DRAWN * 100.0, 2)
@@ -120,33 +120,103 @@ fn page(record: &Record, section: &NeedRecord, curves: &[Curve<'_>]) -> Document
         "Every structure answers the same rays as smaller ones of its tracer. A smaller one is enough while the upper end of the 95 % \
          interval of newly wrong less newly right rays is at most {} % of them, and enough in time while its traces take at most {} times \
          as long besides. Shrinking a thing ends before its first step that is not enough; what is enough again behind that may be so by chance, and \
-         counts only in the table of steps. Rays of analytic methods are right by `tight`, of methods that sample by `footprint`.",
+         counts only where every step is told, and in rules. Rays of analytic methods are right by `tight`, of methods that sample by `footprint`.",
         significant(section.max_lost_share * 100.0, 2),
         significant(section.max_slowdown, 3)
     ));
-    let shown = shown(record, curves);
-    let sections = shown.iter().map(|each| {
-        let (name, triangles) = (literal(&each.scene.name), thousands(each.scene.triangles));
-        let of = Of { scene: Some(each.scene.name.clone()), rays: Some(each.rays.to_owned()) };
-        let mut page = Document::default().headed(2, format!("{name} ({triangles} triangles), {}", each.rays), of);
-        if let Some(chart) = chart(record, section, each) {
-            page = page.chart(&each.chart, "rays lost over steps", chart);
-        }
-        if let Some((rays, unseen)) = each.curves.iter().find_map(|curve| curve.unseen_loss()) {
-            page = page.paragraph(format!(
-                "**{} rays are few:** without a single answer that changes up to {} % of them might be lost, so steps may not be enough for \
-                 want of rays.",
-                thousands(rays),
-                significant(unseen * 100.0, 2)
-            ));
-        }
-        page.paragraph("Bytes needed beside bytes stored and touched:").table(needs(each)).below("Every step:", steps(each))
+    let sections = shown(record, curves).into_iter().map(|each| {
+        let page = Document::default().scene(2, each.scene, "");
+        let page = match chart(record, section, &each) {
+            Some(chart) => page.chart(&each.chart, "rays lost over steps", chart),
+            None => page,
+        };
+        page.and(each.sets.iter().map(|(rays, curves)| of_set(rays, curves)))
     });
-    head.and(sections).and(elsewhere(curves)).and(summary::skipped(&record.skipped))
+    let rules = rules(curves);
+    let told = (!rules.is_empty()).then(|| holds(&rules).and(thumbs(&rules, curves)));
+    head.and(sections).and(told).and(elsewhere(curves)).and(summary::skipped(&record.skipped))
+}
+
+/// What is told of a ray set in a scene.
+fn of_set(rays: &str, curves: &[&Curve<'_>]) -> Document {
+    let few = curves.iter().find_map(|curve| curve.unseen_loss()).map(|(count, unseen)| {
+        format!(
+            "**{} rays are few:** without a single answer that changes up to {} % of them might be lost, so steps may not be enough for \
+             want of rays.",
+            thousands(count),
+            significant(unseen * 100.0, 2)
+        )
+    });
+    let page = Document::default().rays(3, rays, rays).paragraphs(few);
+    page.paragraph("Bytes needed beside bytes stored and touched:")
+        .table(needs(curves))
+        .below("Every step:", steps(curves))
+}
+
+/// In how many of all cases steps are enough.
+fn holds(rules: &[OfTracer<'_>]) -> Document {
+    type Row<'a> = (&'a NeedCurve, &'a Tried<'a>);
+    let count = |outcome: Option<Outcome>| {
+        let name = outcome.map_or("not measured", Outcome::name);
+        Column::new(name, move |(_, tried): &Row<'_>| tried.outcomes().filter(|own| *own == outcome).count() as u64)
+    };
+    let sheet = Sheet::<Row<'_>>::new()
+        .column("tracer", |(tracer, _)| config(tracer))
+        .column("less of", |(_, tried)| values_label(tried.values))
+        .column("of the whole's bytes (%) ↓", |(_, tried)| share(tried))
+        .column("cases", |(_, tried)| tried.outcomes().count() as u64)
+        .with(Outcome::ALL.map(Some).into_iter().chain([None]).map(count).collect());
+    let rows = rules.iter().flat_map(|(tracer, all, _)| all.iter().map(move |tried| (*tracer, tried))).collect_vec();
+    let everywhere = rows.iter().filter(|(_, tried)| tried.outcome() == Some(Outcome::Enough)).count();
+    let words = format!(
+        "A case is a scene, viewpoint and ray set. Of {} smaller structures {everywhere} are enough in every case. One is undecided where the \
+         interval of what it loses holds the limit, and not enough where all of that is beyond it. Bytes are the geometric mean over all cases.",
+        rows.len()
+    );
+    Document::default().heading(2, "What holds").below(words, sheet.table(&rows))
+}
+
+/// The bytes of a structure, percent of the whole one's.
+fn share(tried: &Tried<'_>) -> Cell {
+    Cell::number(tried.share().map(|share| 100.0 * share), 3)
+}
+
+/// Rules of thumb, and what they lose where they were not made.
+fn thumbs(rules: &[OfTracer<'_>], curves: &[Curve<'_>]) -> Document {
+    type Row<'a> = (&'a NeedCurve, &'a Thumb<'a>);
+    let page = Document::default().heading(2, "Rules of thumb");
+    if curves.iter().map(|curve| &curve.section.scene_sha256).all_equal() {
+        return page.paragraph("None: a rule needs two scenes, of which it is made of one and tried in the other.");
+    }
+    let sheet = Sheet::<Row<'_>>::new()
+        .column("tracer", |(tracer, _)| config(tracer))
+        .column("made of", |(_, (held_out, _))| {
+            Cell::Name(held_out.map_or("all scenes".to_owned(), |scene| format!("all but {}", scene.scene)))
+        })
+        .column("rule", |(_, (_, tried))| {
+            tried.as_ref().map_or("the whole".to_owned(), |tried| values_label(tried.values))
+        })
+        .column("there of the whole's bytes (%) ↓", |(_, (_, tried))| tried.as_ref().map_or(Cell::from(100.0), share))
+        .column("rays lost there at worst (%) ↓", |(_, (_, tried))| {
+            tried.as_ref().and_then(Tried::worst).and_then(lost)
+        })
+        .column("there it is", |(_, (_, tried))| {
+            tried.as_ref().map(|tried| tried.outcome().map_or("not measured", Outcome::name))
+        });
+    let rows = rules.iter().flat_map(|(tracer, _, all)| all.iter().map(move |thumb| (*tracer, thumb))).collect_vec();
+    let tried = rows.iter().filter_map(|(_, (held_out, tried))| held_out.and(tried.as_ref())).collect_vec();
+    let enough = tried.iter().filter(|tried| tried.outcome() == Some(Outcome::Enough)).count();
+    let words = format!(
+        "A rule is the smallest structure, by its bytes as a share of the whole one's, that is enough in every case that it is made of. Each is \
+         made of all scenes, and of all but one, which is then *there*: {enough} of {} that ask for less than the whole are enough there. Rays \
+         lost are those of the worst viewpoint and ray set. What has nothing to shrink has no rule.",
+        tried.len()
+    );
+    page.paragraph(words).table(sheet.table(&rows))
 }
 
 /// A row a tracer and viewpoint.
-fn needs(shown: &Shown<'_>) -> Table {
+fn needs(curves: &[&Curve<'_>]) -> Table {
     let sheet = Sheet::<&Curve<'_>>::new()
         .column("tracer", |curve| config(curve.section))
         .column("from", |curve| curve.section.viewpoint.clone())
@@ -168,11 +238,15 @@ fn needs(shown: &Shown<'_>) -> Table {
             let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(&axis.need(false)))).join("; ");
             if far.is_empty() { "nothing shrinks".to_owned() } else { far }
         });
-    sheet.table(&shown.curves)
+    sheet.table(curves)
 }
 
 fn bytes(step: &Step<'_>) -> Option<Cell> {
     step.bytes().map(|bytes| Cell::Bytes(bytes as f64))
+}
+
+fn lost(step: &Step<'_>) -> Option<Cell> {
+    step.lost().map(|(value, interval)| Cell::Percent(value, interval))
 }
 
 /// What a structure has less of.
@@ -190,56 +264,39 @@ fn until(need: &Need<'_>) -> String {
     }
 }
 
-/// A structure beside the whole one.
-struct TableRow<'a> {
-    curve: &'a Curve<'a>,
-    step: &'a Step<'a>,
-    /// What it has less of, for people.
-    less: String,
-}
-
-/// The structures of a curve that have less of something.
-fn smaller<'a>(curve: &'a Curve<'a>) -> impl Iterator<Item = TableRow<'a>> {
-    let single = curve
-        .axes
-        .iter()
-        .flat_map(|axis| axis.steps.iter().map(move |step| (format!("{}={}", axis.name, value_of(axis, step)), step)));
-    let all = single.chain(curve.joint.iter().map(|step| (step.point.label(), step)));
-    all.map(move |(less, step)| TableRow { curve, step, less })
-}
+/// A structure of a curve.
+type TableRow<'a> = (&'a Curve<'a>, &'a Step<'a>);
 
 /// All structures of a curve, the whole one first.
 fn structures<'a>(curve: &'a Curve<'a>) -> impl Iterator<Item = TableRow<'a>> {
-    std::iter::once(TableRow { curve, step: &curve.whole, less: String::new() }).chain(smaller(curve))
+    std::iter::once(&curve.whole).chain(curve.steps()).map(move |step| (curve, step))
 }
 
 /// What a smaller structure loses and takes.
 fn of_steps<'a>(sheet: Sheet<'a, TableRow<'a>>) -> Sheet<'a, TableRow<'a>> {
-    let changed = |of: fn(ChangedRays) -> u64| move |row: &TableRow<'a>| row.step.changed.map(of);
-    let lost = |row: &TableRow<'a>| row.step.lost().map(|(value, interval)| Cell::Percent(value, interval));
-    let enough = |row: &TableRow<'a>| row.step.changed.map(|_| row.step.is_enough(false));
-    let enough_in_time = |row: &TableRow<'a>| row.step.changed.map(|_| row.step.is_enough(true));
+    let changed = |of: fn(ChangedRays) -> u64| move |(_, step): &TableRow<'a>| step.changed.map(of);
+    let enough = |in_time: bool| move |(_, step): &TableRow<'a>| step.changed.map(|_| step.is_enough(in_time));
     sheet
-        .csv_column("rule", |row| row.curve.section.rule.name())
-        .json("shrunk_json", |row| &row.step.point.shrunk)
-        .csv_column("touched_bytes", |row| row.step.touched_bytes())
+        .csv_column("rule", |(curve, _)| curve.section.rule.name())
+        .json("shrunk_json", |(_, step)| &step.point.shrunk)
+        .csv_column("touched_bytes", |(_, step)| step.touched_bytes())
         .csv_column("compared_rays", changed(|changed| changed.rays))
         .csv_column("newly_wrong_rays", changed(|changed| changed.newly_wrong))
         .csv_column("newly_right_rays", changed(|changed| changed.newly_right))
-        .and(Column::csv("lost_share", lost).headed("rays lost (%) ↓"))
-        .and(Column::csv("is_enough", enough).headed("enough"))
-        .and(Column::csv("times_as_long", |row: &TableRow<'a>| row.step.times_as_long).headed("times as long ↓"))
-        .and(Column::csv("is_enough_in_time", enough_in_time).headed("enough in time"))
+        .and(Column::csv("lost_share", |(_, step): &TableRow<'a>| lost(step)).headed("rays lost (%) ↓"))
+        .and(Column::csv("is_enough", enough(false)).headed("enough"))
+        .and(Column::csv("times_as_long", |(_, step): &TableRow<'a>| step.times_as_long).headed("times as long ↓"))
+        .and(Column::csv("is_enough_in_time", enough(true)).headed("enough in time"))
 }
 
 /// Every step.
-fn steps(shown: &Shown<'_>) -> Table {
-    let rows: Vec<TableRow<'_>> = shown.curves.iter().flat_map(|curve| smaller(curve)).collect();
+fn steps(curves: &[&Curve<'_>]) -> Table {
+    let rows: Vec<TableRow<'_>> = curves.iter().flat_map(|curve| structures(curve).skip(1)).collect();
     let sheet = Sheet::<TableRow<'_>>::new()
-        .column("tracer", |row| config(row.curve.section))
-        .column("from", |row| row.curve.section.viewpoint.clone())
-        .column("less of", |row| row.less.clone())
-        .column("MiB ↓", |row| bytes(row.step));
+        .column("tracer", |(curve, _)| config(curve.section))
+        .column("from", |(curve, _)| curve.section.viewpoint.clone())
+        .column("less of", |(_, step)| step.point.label())
+        .column("MiB ↓", |(_, step)| bytes(step));
     of_steps(sheet).table(&rows)
 }
 
@@ -247,20 +304,20 @@ fn steps(shown: &Shown<'_>) -> Table {
 fn elsewhere(curves: &[Curve<'_>]) -> Document {
     let place = |curve: &NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
     let sheet = Sheet::<Transfer<'_>>::new()
-        .column("tracer", |each| config(each.from))
-        .column("rays", |each| each.rays.to_owned())
-        .column("found in", |each| place(each.from))
-        .column("needs", |each| each.values_label())
+        .column("tracer", |each| config(each.to))
+        .column("rays", |each| each.from.rays.to_owned())
+        .column("found in", |each| place(each.from.section))
+        .column("needs", |each| values_label(each.values))
         .column("tried in", |each| place(each.to))
-        .column("rays lost there (%) ↓", |each| each.lost.map(|(value, interval)| Cell::Percent(value, interval)))
-        .column("serves", |each| match each.serves {
-            Some(true) => "yes",
-            Some(false) => "**no**",
+        .column("rays lost there (%) ↓", |each| each.step.and_then(lost))
+        .column("serves", |each| match each.step.and_then(Step::outcome) {
+            Some(Outcome::Enough) => "yes",
+            Some(_) => "**no**",
             None => "not measured",
         });
     let all = transfers(curves);
-    let tried = all.iter().filter(|each| each.serves.is_some()).count();
-    let served = all.iter().filter(|each| each.serves == Some(true)).count();
+    let outcomes = all.iter().filter_map(|each| each.step?.outcome()).collect_vec();
+    let (tried, served) = (outcomes.len(), outcomes.iter().filter(|found| **found == Outcome::Enough).count());
     let page = Document::default().heading(2, "Needs that are tried elsewhere");
     if tried == 0 {
         return page.paragraph("None: there is no other viewpoint or scene, or nothing less than the whole is enough.");

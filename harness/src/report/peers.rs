@@ -59,7 +59,11 @@ fn besides(table: &Table) -> Vec<(String, &'static str)> {
 fn over(table: &Table, record: &Record, place: usize, (group, set, (_, row, trace)): &Placed<'_>) -> Cell {
     let is_first = |other: &&&Row| table.holds(&other.tracer.name) && other.tracer.name != table.reference();
     let reference = match table.rows {
-        Rows::LaunchSettings => by_default(record, group, row),
+        // The same tracer by the means that all take where nothing is set.
+        Rows::LaunchSettings => record.provenance.launch.as_ref().and_then(|taken| {
+            let is_default = |other: &&&Row| other.tracer.launch().as_ref() == Some(&taken.launch);
+            group.configs.iter().filter(|other| other.tracer.name == row.tracer.name).find(is_default).copied()
+        }),
         Rows::Switches(_) if place == 0 => group.configs.iter().find(is_first).copied(),
         _ => reference_of(table, group),
     };
@@ -73,13 +77,6 @@ fn over(table: &Table, record: &Record, place: usize, (group, set, (_, row, trac
             set.paired(record, reference, row).and_then(|found| found.ratio).into()
         }
     }
-}
-
-/// The row of the same tracer by the means that all take where nothing is set.
-fn by_default<'a>(record: &Record, group: &Group<'a>, of: &Row) -> Option<&'a Row> {
-    let default = &record.provenance.launch.as_ref()?.launch;
-    let is_default = |row: &&Row| row.tracer.name == of.tracer.name && row.tracer.launch().as_ref() == Some(default);
-    group.configs.iter().copied().find(is_default)
 }
 
 /// What the table is of, and what is taken where nothing is set.

@@ -11,19 +11,15 @@ use crate::studies::pareto::Amount;
 /// What a row has in a column. Programs read all digits, people those that matter.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Cell {
-    /// Nothing.
     None,
     /// What such a row cannot have: a column of nothing else is left out.
     Absent,
-    /// Words.
     Text(String),
     /// A name that users give, in which nothing is markup.
     Name(String),
     /// Words for programs, and for people.
     Named(String, String),
-    /// Yes or no.
     Flag(bool),
-    /// So many.
     Count(u64),
     /// Bytes; people read MiB.
     Bytes(f64),
@@ -74,23 +70,24 @@ impl Cell {
         let one = |text: String| vec![("", text)];
         let three =
             |ends: [&'static str; 3], values: [Option<f64>; 3]| ends.into_iter().zip(values.map(number)).collect();
-        let measured = |value: Option<f64>, interval: Option<[f64; 2]>| match interval {
-            Some([low, high]) => three(["", "_low", "_high"], [value, Some(low), Some(high)]),
-            None => one(number(value)),
+        let interval = match self {
+            Self::Measured(_, interval, _) | Self::Share(_, interval, _) => *interval,
+            Self::Percent(_, interval) => Some(*interval),
+            Self::Accuracy(accuracy) => accuracy.interval,
+            _ => None,
         };
         match self {
             Self::None | Self::Absent => Vec::new(),
-            Self::Text(text) | Self::Name(text) => one(text.clone()),
-            Self::Parts(_) => one(self.describe()),
-            Self::Named(code, _) => one(code.clone()),
+            Self::Text(text) | Self::Name(text) | Self::Named(text, _) => one(text.clone()),
             Self::Flag(flag) => one(flag.to_string()),
             Self::Count(count) => one(count.to_string()),
-            Self::Bytes(value) | Self::Statistic(value) | Self::Number(value, _) => one(number(Some(*value))),
-            Self::Measured(value, interval, _) | Self::Share(value, interval, _) => measured(Some(*value), *interval),
-            Self::Percent(value, interval) => measured(Some(*value), Some(*interval)),
-            Self::Accuracy(accuracy) => measured(accuracy.share, accuracy.interval),
+            Self::Parts(_) => one(self.describe()),
             Self::Percentiles(Percentiles { p50, p95, p99 }) => three(["_p50", "_p95", "_p99"], [*p50, *p95, *p99]),
             Self::Shares(shares, _) => three(["_hit_miss", "_tight", "_footprint"], *shares),
+            other => match interval {
+                Some([low, high]) => three(["", "_low", "_high"], [other.value(), Some(low), Some(high)]),
+                None => one(number(other.value())),
+            },
         }
     }
 

@@ -7,11 +7,10 @@ use tracebench_api::{AdapterInfo, Query, Rasterizer};
 
 use super::beside::{self, Place};
 use super::calibration;
-use super::cells::{TableRow, coverage, label, touched};
+use super::cells::{TableRow, coverage, touched};
 use super::chart::{self, runs};
-use super::distances;
 use super::document::Document;
-use super::format::{self, mib, significant, statistic, thousands};
+use super::format::{self, mib, significant, size, statistic, thousands};
 use super::group::{Group, Role};
 use super::markdown::literal;
 use super::metrics::{
@@ -112,8 +111,7 @@ fn footprint(record: &Record) -> Option<String> {
 /// How long was sampled, and which interleaved sets decide nothing.
 fn clock(record: &Record) -> String {
     let sets = &record.interleaved_sets;
-    let rounds = || sets.iter().map(|set| set.orders.len());
-    let (fewest, most) = (rounds().min(), rounds().max());
+    let (fewest, most) = sets.iter().map(|set| set.orders.len()).minmax().into_option().unwrap_or_default();
     let those = |what: &str, wanted: fn(&InterleavedSetRecord) -> bool| {
         let found = sets.iter().filter(|set| wanted(set));
         let found: Vec<String> = found.map(|set| format!("{} of {}", set.work, literal(&set.scene))).collect();
@@ -126,7 +124,6 @@ fn clock(record: &Record) -> String {
         0 => String::new(),
         count => format!("; **invalid times** of {count}: {}", counted(&invalid)),
     };
-    let (fewest, most) = (fewest.unwrap_or(0), most.unwrap_or(0));
     let few = if fewest < MIN_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
     format!(
         "{} interleaved sets of {fewest} to {most} rounds{few}{}{}{invalid}",
@@ -250,10 +247,12 @@ fn ray_set(place: Place<'_>) -> Document {
     let page = set.headed(3, surfaces::heading(&rows)).paragraph(many_ambiguous_rays).paragraph(coverage(&rows));
     let page = match set.query {
         Query::Closest => page.and(closest_tables(&rows)),
-        Query::Any => page.table(any_table(&rows)),
+        Query::Any => {
+            let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
+            page.table(traced(Query::Any).figures(told(&rows).into_iter().chain(counts)).table(&rows))
+        }
     };
     page.and(beside::table(place))
-        .and(distances::tables(&rows))
         .and(surfaces::tables(&rows))
         .below("Causes of wrong answers:", causes(&rows))
         .below("Counters, from a variant that is not timed:", counters(&rows))
@@ -267,30 +266,24 @@ fn traced<'a>(query: Query) -> Sheet<'a, TableRow<'a>> {
     sheet.taken(SPEED).taken(TRACE_TIME).right(query)
 }
 
-fn closest_tables(rows: &[TableRow<'_>]) -> Document {
+fn closest_tables<'a>(rows: &[TableRow<'a>]) -> Document {
     let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace)).into_iter().chain(told(rows));
     let main = traced(Query::Closest).figures(beside.chain([POSITION, IDENTITY, AMBIGUOUS]));
-    let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
-    for (role, run, trace) in rows {
-        let Some(classes) = metrics::closest(trace).map(|judgement| &judgement.classes) else { continue };
-        by_rule.push((label(*role, run), "tight", &classes.tight));
-        by_rule.push((label(*role, run), "footprint", &classes.footprint));
-    }
-    let classes = Sheet::<(String, &str, &Classes)>::new()
-        .column("tracer", |(label, ..)| label.clone())
-        .column("rule", |(_, rule, _)| (*rule).to_owned())
-        .column("true hit", |(.., classes)| classes.true_hit)
-        .column("true miss", |(.., classes)| classes.true_miss)
-        .column("false hit", |(.., classes)| classes.false_hit)
-        .column("false miss", |(.., classes)| classes.false_miss)
-        .column("early", |(.., classes)| classes.early)
-        .column("late", |(.., classes)| classes.late);
+    let by_rule = |row: &TableRow<'a>| {
+        let classes = &metrics::closest(row.2)?.classes;
+        Some([("tight", &classes.tight), ("footprint", &classes.footprint)].map(|of| (*row, of)))
+    };
+    let by_rule = rows.iter().filter_map(by_rule).flatten().collect_vec();
+    let classes = Sheet::<(TableRow<'_>, (&'static str, &Classes))>::new()
+        .name()
+        .column("rule", |(_, (rule, _))| *rule)
+        .column("true hit", |(_, (_, classes))| classes.true_hit)
+        .column("true miss", |(_, (_, classes))| classes.true_miss)
+        .column("false hit", |(_, (_, classes))| classes.false_hit)
+        .column("false miss", |(_, (_, classes))| classes.false_miss)
+        .column("early", |(_, (_, classes))| classes.early)
+        .column("late", |(_, (_, classes))| classes.late);
     Document::default().table(main.table(rows)).paragraph("Classes, rays:").table(classes.table(&by_rule))
-}
-
-fn any_table(rows: &[TableRow<'_>]) -> Table {
-    let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
-    traced(Query::Any).figures(told(rows).into_iter().chain(counts)).table(rows)
 }
 
 /// The column of times that programs tell of themselves, where one does.
@@ -373,10 +366,6 @@ fn many_ambiguous_rays(judgement: &Judgement) -> bool {
         Judgement::Closest(judgement) => judgement.many_ambiguous_rays,
         Judgement::Any(judgement) => judgement.many_ambiguous_rays,
     }
-}
-
-fn size([width, height]: [u32; 2]) -> String {
-    format!("{width}×{height}")
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use itertools::Itertools as _;
 use super::cells::{TableRow, Told, coverage};
 use super::chart;
 use super::document::Document;
+use super::format::{file_stem, size};
 use super::group::{Group, RaySet, Role, gathered};
 use super::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
 use super::sheet::{self, Sheet};
@@ -61,8 +62,7 @@ pub(in crate::report) struct Cell<'a> {
 impl View<'_> {
     /// The part of file names that distinguishes views.
     pub(in crate::report) fn stem(&self) -> String {
-        let name = |text: &str| super::format::file_stem(text);
-        format!("{STEM}{}_{}_{}", self.group.stem, name(&self.axis.name), name(&self.set.title))
+        format!("{STEM}{}_{}_{}", self.group.stem, file_stem(&self.axis.name), file_stem(&self.set.title))
     }
 }
 
@@ -187,10 +187,8 @@ fn section(record: &Record, view: &View<'_>) -> Document {
         format!("{}{}", cell.value, if cell.value == view.axis.own { " *" } else { "" })
     });
     if [Some(view.axis), view.other].iter().flatten().any(|axis| axis.name == RESOLUTION) {
-        sheet = sheet.column("frame, faces (px)", |(_, cell)| {
-            let [width, height] = cell.point.frame;
-            format!("{width}×{height}, {}", cell.point.face)
-        });
+        sheet =
+            sheet.column("frame, faces (px)", |(_, cell)| format!("{}, {}", size(cell.point.frame), cell.point.face));
     }
     let sheet = sheet
         .and(STRUCTURE.shown(|(_, cell): &Place<'_>| match cell.measured {

@@ -1,14 +1,19 @@
-//! The tables for other programs: `rows.csv` and `wrong_rays.csv`.
+//! The tables for other programs: `rows.csv`, also that of several records (`report --csv`), and `wrong_rays.csv`.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use itertools::Itertools as _;
 
 use super::beside::{self, Place};
 use super::cells::TableRow;
 use super::format::code;
-use super::group::{Group, RaySet};
+use super::group::{Group, RaySet, groups};
+use super::html::called;
 use super::metrics::{METRICS, Metric, with_ambiguous};
-use super::sheet::{Cell, Column, Columns, Sheet, Table};
-use crate::results::{Judgement, Record, TraceRecord, WrongRay};
+use super::sheet::{Cell, Column, Columns, Sheet, Table, csv};
+use super::{ReportError, Study, read_run};
+use crate::results::{Judgement, Record, Row, TraceRecord, WrongRay};
 
 /// A row of a record in its place.
 pub(super) type Placed<'a> = (&'a Group<'a>, &'a RaySet<'a>, TableRow<'a>);
@@ -59,6 +64,40 @@ pub(super) fn rows<'a, R: 'a>(
         .columns_of(own, |(_, own)| own.as_ref())
         .columns_of(Sheet::new().with(of_maps(&rows)), |((.., row), _)| Some(row));
     sheet.table(&rows)
+}
+
+/// The rows of records, those of controls among them, as `rows.csv` has those of one, with the record's name, its study and of cases the
+/// difficulty level. A column is where a record has it; other rows are empty there.
+///
+/// # Errors
+/// If a record cannot be read.
+pub fn flat_table(paths: &[PathBuf], say: impl Fn(&str)) -> Result<Vec<u8>, ReportError> {
+    let shown: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    let names = called(&shown.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut columns: Vec<String> = ["record", "study"].map(str::to_owned).into();
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for ((path, shown), name) in paths.iter().zip(&shown).zip(names) {
+        say(shown);
+        let record = read_run(path)?;
+        let record = &*record.aligned();
+        let level = |row: &&Row| row.difficulty_level.map_or(Cell::Absent, Cell::from);
+        let groups = groups(record);
+        let own = Sheet::new().csv_column("difficulty_level", level);
+        let table = self::rows(record, &groups, own, |(.., (_, row, _))| Some(*row)).csv(&name)?;
+        let mut lines = csv::ReaderBuilder::new().has_headers(false).from_reader(&*table).into_records().flatten();
+        let header = lines.next().unwrap_or_default();
+        columns = columns.into_iter().chain(header.iter().map(str::to_owned)).unique().collect();
+        let place = |name: &str| columns.iter().position(|known| known == name);
+        let places: Vec<usize> = header.iter().filter_map(place).collect();
+        rows.extend(lines.map(|line| {
+            let mut row = vec![String::new(); columns.len()];
+            (row[0], row[1]) = (name.clone(), Study::of(record).verb.to_owned());
+            places.iter().zip(&line).for_each(|(place, field)| field.clone_into(&mut row[*place]));
+            row
+        }));
+    }
+    rows.iter_mut().for_each(|row| row.resize(columns.len(), String::new()));
+    csv("the table of rows", std::iter::once(columns).chain(rows))
 }
 
 fn size([width, height]: [u32; 2]) -> String {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::format::{self, NONE, percent, significant, thousands};
+use super::format::{self, NONE, optional, percent, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::metrics;
 use crate::results::{Accuracy, Record, TraceRecord};
@@ -45,13 +45,11 @@ fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize)
     for (role, one, trace) in group.traces(set) {
         one_sided = one_sided.or(trace.judgement.one_sided());
         if role == Role::Tracer {
-            let speed = metrics::speed(trace).filter(|_| metrics::judged(trace));
-            let speed = speed.map_or_else(|| NONE.to_owned(), |speed| significant(speed, 4));
+            let speed = optional(metrics::speed(trace).filter(|_| metrics::judged(trace)), 4);
             // None of a set whose rays are all ambiguous rays.
-            let share = |Accuracy { share, trials, one_sided, .. }: &Accuracy| {
-                share
-                    .filter(|_| one_sided.is_none())
-                    .map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, *trials)))
+            let share = |Accuracy { share, trials, one_sided, .. }: &Accuracy| match (share, one_sided) {
+                (Some(share), None) => format!("{} %", percent(*share, *trials)),
+                _ => NONE.to_owned(),
             };
             let cells: Vec<String> = metrics::right_of(trace).iter().map(share).collect();
             line(text, width, &one.label(), &speed, &cells, &clock(trace));
@@ -90,6 +88,7 @@ mod tests {
 
     use super::*;
     use crate::report::fixture::{self, Quality};
+    use crate::report::format::significant;
     use crate::results::Judgement;
 
     const FAIR: Quality = Quality { missed: 0.25, blur: 1e-9, speed: 3.1, clock: ClockKind::SubmitToDone };

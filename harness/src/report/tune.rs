@@ -62,15 +62,6 @@ pub(in crate::report) fn of_tuning(tuning: &Tuning) -> Report {
     Report::of_page(TUNE_PAGE, page(tuning))
 }
 
-/// What the charts of the scenes are called, without their ends.
-fn chart_stems(tuning: &Tuning) -> Vec<String> {
-    let told = tuning.scenes.iter().map(|one| {
-        let viewpoint = one.views.first().map_or("", |view| view.viewpoint.name.as_str());
-        [one.scene.name.as_str(), one.scene.sha256.as_str(), viewpoint]
-    });
-    stems(&told.collect_vec()).into_iter().map(|stem| format!("{STEM}{stem}")).collect()
-}
-
 /// The classes of wrong rays.
 pub(in crate::report) const CLASSES: [&str; 4] = ["false misses", "false hits", "early", "late"];
 
@@ -108,6 +99,10 @@ pub(in crate::report) fn score_name(set: &SetTuned, rule: Rule) -> String {
 
 /// The whole page.
 fn page(tuning: &Tuning) -> Document {
+    let told = tuning.scenes.iter().map(|one| {
+        let viewpoint = one.views.first().map_or("", |view| view.viewpoint.name.as_str());
+        [one.scene.name.as_str(), one.scene.sha256.as_str(), viewpoint]
+    });
     let section = |(scene, stem): (&SceneTuned, String)| {
         let name = literal(&scene.scene.name);
         let sets = scene
@@ -117,9 +112,9 @@ fn page(tuning: &Tuning) -> Document {
             .flat_map(|(view, whose)| view.sets.iter().map(move |set| one_set(tuning, whose, view, set)));
         let page = Document::default().scene(2, &scene.scene, "");
         let chart = chart::tune::chart(tuning, scene);
-        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name), chart).and(sets)
+        page.chart(format!("{STEM}{stem}"), format!("{name}: errors over {}", tuning.axis.name), chart).and(sets)
     };
-    let sections = tuning.scenes.iter().zip(chart_stems(tuning)).map(section);
+    let sections = tuning.scenes.iter().zip(stems(&told.collect_vec())).map(section);
     head(tuning).and(sections).and(summary::skipped(&tuning.skipped))
 }
 

@@ -41,8 +41,8 @@ pub(super) fn controls(record: &Record) -> Verdict {
             let rays = (trace.rays.as_str(), trace.rays_sha256.as_str(), trace.count);
             problems(&rows, &record.control_names, rays, &trace.judgement)
         };
-        let problems: Vec<String> = config.traces.iter().flat_map(of_trace).collect();
-        problems.into_iter().map(|problem| format!("{problem} of {}", config.scene.name)).collect::<Vec<_>>()
+        let problems = config.traces.iter().flat_map(of_trace);
+        problems.map(|problem| format!("{problem} of {}", config.scene.name)).collect::<Vec<_>>()
     };
     Verdict::of(record.rows.iter().flat_map(of_config))
 }

@@ -188,7 +188,7 @@ fn needs_are_told_from_both_viewpoints() {
     assert!(curves.iter().all(|curve| curve["points"][0]["shrunk"].as_object().unwrap().is_empty()));
     let out = bench.path("out");
     let before = names(&out);
-    for wanted in ["need_room_diffuse.svg", "rows.csv"] {
+    for wanted in ["need_room.svg", "rows.csv"] {
         assert!(before.contains(wanted), "{before:?}");
     }
     let read = |name: &String| std::fs::read(out.join(name)).unwrap();

@@ -52,7 +52,6 @@ enum Shape {
 /// The surface. Lengths are points, y points down, texts are centred on their line.
 #[derive(Default)]
 pub(super) struct Canvas {
-    /// Width and height.
     pub size: Place,
     shapes: Vec<Shape>,
 }

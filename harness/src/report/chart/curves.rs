@@ -18,7 +18,6 @@ const LABELS: usize = 5;
 /// A curve.
 #[derive(Debug)]
 pub(super) struct Curve {
-    /// Its look.
     pub style: Style,
     /// Dashed with hollow markers.
     pub hollow: bool,
@@ -36,7 +35,6 @@ pub(super) fn measured(curves: &[Curve]) -> impl Iterator<Item = &Measured> + Cl
 /// The values along the lower axis.
 #[derive(Clone, Debug)]
 pub(super) struct Values {
-    /// Their axis.
     pub axis: Axis,
     /// Where each is.
     pub places: Vec<f64>,

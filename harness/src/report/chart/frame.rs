@@ -33,13 +33,10 @@ pub(super) const STRONG: f64 = 4.0;
 /// What stands before a legend's text.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sample {
-    /// A filled marker.
     Filled(Style),
-    /// A hollow marker.
     Hollow(Style),
     /// A filled marker on a line.
     Line(Style),
-    /// A strong line.
     Strong(Style),
     /// The dashes of controls.
     Dashes,
@@ -72,7 +69,6 @@ pub(crate) struct Chart {
     columns: usize,
     /// Height of the data's rectangle.
     plot_height: f64,
-    /// Its panels.
     pub(super) panels: Vec<Panel>,
     /// A chart a tracer, where its panels are of tracers.
     pub(in crate::report) by_tracer: Vec<(String, Chart)>,
@@ -81,13 +77,9 @@ pub(crate) struct Chart {
 /// The rectangle of a panel's data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rect {
-    /// Left edge.
     pub left: f64,
-    /// Top edge.
     pub top: f64,
-    /// Right edge.
     pub right: f64,
-    /// Bottom edge.
     pub bottom: f64,
 }
 

@@ -56,7 +56,6 @@ type Corner = (f64, f64, f64);
 pub(in crate::report) struct Point {
     /// Its place among the record's points.
     pub index: usize,
-    /// Its tracer.
     pub tracer: String,
     style: Style,
     /// What it costs as people read it.
@@ -93,13 +92,11 @@ pub(in crate::report) struct Layer<'a> {
     pub front: Places,
     /// The points, those on the front last.
     pub points: Vec<Placed<'a>>,
-    /// The names beside points.
     pub names: Vec<Name<'a>>,
 }
 
 /// A point in its place.
 pub(in crate::report) struct Placed<'a> {
-    /// The point.
     pub point: &'a Point,
     /// Where it is.
     pub place: (f64, f64),

@@ -21,6 +21,7 @@ use std::error::Error;
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
+use super::document::set_heading;
 use super::format;
 use super::group::{Group, RaySet};
 use super::metrics::BALANCED;
@@ -62,7 +63,7 @@ pub(super) fn files<'a>(charts: impl Iterator<Item = (&'a str, &'a Chart)>) -> R
 
 /// The colours that causes and the like take in turn.
 pub(super) fn colour(index: usize) -> String {
-    hex(palette::COLOURS[index % palette::COLOURS.len()])
+    hex(palette::colour(index))
 }
 
 /// What stands before all else where controls fail.
@@ -146,8 +147,7 @@ fn error_name(query: Query) -> String {
 
 /// A panel's title.
 fn panel_title(set: &RaySet<'_>) -> String {
-    let (name, count) = (cut(&set.title, LONGEST_SET), format::thousands(set.count));
-    format!("{name}: {}, {count} rays", format::query(set.query))
+    set_heading(&cut(&set.title, LONGEST_SET), set.query, set.count)
 }
 
 /// A configuration's name in a legend, with its clock where clocks differ.

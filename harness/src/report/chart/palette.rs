@@ -13,26 +13,21 @@ pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 pub(super) const GREY: RGBColor = RGBColor(0x66, 0x66, 0x66);
 /// Lines of controls.
 pub(super) const CONTROL: RGBColor = RGBColor(0x8C, 0x8C, 0x8C);
-/// The grid.
 pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
 /// The row for zero.
 pub(super) const SHADE: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
 
 /// Colours that stay apart for most colour-blind readers: Okabe and Ito's, then darker ones after Tol.
-pub(super) const COLOURS: [RGBColor; 12] = [
-    RGBColor(0x00, 0x72, 0xB2),
-    RGBColor(0xD5, 0x5E, 0x00),
-    RGBColor(0x00, 0x9E, 0x73),
-    RGBColor(0xCC, 0x79, 0xA7),
-    RGBColor(0x56, 0xB4, 0xE9),
-    RGBColor(0xE6, 0x9F, 0x00),
-    RGBColor(0x33, 0x22, 0x88),
-    RGBColor(0x88, 0x22, 0x55),
-    RGBColor(0x11, 0x77, 0x33),
-    RGBColor(0x99, 0x99, 0x33),
-    RGBColor(0xAA, 0x44, 0x99),
-    RGBColor(0x66, 0x11, 0x00),
+const COLOURS: [u32; 12] = [
+    0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00, 0x332288, 0x882255, 0x117733, 0x999933, 0xAA4499,
+    0x661100,
 ];
+
+/// One of them, in turn.
+pub(super) fn colour(index: usize) -> RGBColor {
+    let [_, red, green, blue] = COLOURS[index % COLOURS.len()].to_be_bytes();
+    RGBColor(red, green, blue)
+}
 
 /// A colour as pages name it.
 pub(in crate::report) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
@@ -42,7 +37,6 @@ pub(in crate::report) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
 /// A marker's outline as corners on the unit circle; y points down, as on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
-    /// A circle.
     Circle,
     /// A regular polygon with so many corners, turned by so many degrees from pointing up.
     Polygon(u32, u32),
@@ -99,9 +93,7 @@ impl Shape {
 /// What a tracer looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Style {
-    /// Its colour.
     pub colour: RGBColor,
-    /// Its shape.
     pub shape: Shape,
 }
 
@@ -129,7 +121,7 @@ impl Styles {
     pub(super) fn get(&self, label: &str) -> Style {
         let index = self.labels.iter().position(|each| each == label).unwrap_or(0);
         let turn = index / COLOURS.len();
-        Style { colour: COLOURS[index % COLOURS.len()], shape: SHAPES[(index + turn) % SHAPES.len()] }
+        Style { colour: colour(index), shape: SHAPES[(index + turn) % SHAPES.len()] }
     }
 
     /// Who is who.

@@ -81,15 +81,10 @@ pub(super) fn level(name: String, value: f64) -> Control {
 /// A panel.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
-    /// Its title.
     pub title: String,
-    /// The lower axis.
     pub x: Axis,
-    /// The left axis.
     pub y: Axis,
-    /// Controls.
     pub controls: Vec<Control>,
-    /// What it shows.
     pub marks: Vec<Mark>,
     /// What is said of a panel that has nothing to show.
     pub note: Option<&'static str>,

@@ -30,15 +30,11 @@ pub(crate) struct Series {
 pub(crate) struct SeriesPanel {
     /// The tracer that it is of alone: a page leaves it out with that.
     pub of: Option<String>,
-    /// Its title.
     pub title: String,
-    /// The setting's name.
     pub setting: String,
-    /// The setting's steps.
     pub steps: Vec<String>,
     /// The quantity's name with its unit.
     pub quantity: String,
-    /// Its lines.
     pub series: Vec<Series>,
 }
 
@@ -47,13 +43,10 @@ pub(crate) struct SeriesPanel {
 pub(crate) struct SeriesChart {
     /// What its files are called, without their ends.
     pub stem: String,
-    /// Its title.
     pub title: String,
-    /// The line under it.
     pub subtitle: String,
     /// What solid and dashed lines are, where it has both.
     pub key: Option<[&'static str; 2]>,
-    /// Its panels.
     pub panels: Vec<SeriesPanel>,
 }
 

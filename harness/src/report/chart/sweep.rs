@@ -99,8 +99,7 @@ fn others(record: &Record, view: &View<'_>) -> String {
     let along = |name: &str| name == view.axis.name || view.other.is_some_and(|other| other.name == name);
     let parameters = point.parameters.iter().filter(|(name, _)| !along(name));
     let parts = parameters.map(|(name, v)| format!("{name}={}", cut(&said(v), LONGEST_VALUE))).join(", ");
-    let [width, height] = point.frame;
-    let size = (!along(RESOLUTION)).then(|| format!("frame {width}×{height}, faces {}", point.face));
+    let size = (!along(RESOLUTION)).then(|| format!("frame {}, faces {}", format::size(point.frame), point.face));
     let told = [Some(parts).filter(|parts| !parts.is_empty()), size].into_iter().flatten().join("; ");
     if told.is_empty() { told } else { format!("Others: {told}. ") }
 }
@@ -138,8 +137,7 @@ fn curves(
 
 fn magnitudes(title: String, name: &str, values: &Values, curves: &[Curve]) -> Panel {
     let all = || measured(curves).map(|one| one.value);
-    let (least, most) =
-        all().fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)));
+    let (least, most) = all().minmax().into_option().unwrap_or_default();
     let y = if least > 0.0 && most > LINEAR_RATIO * least {
         Axis { name: format!("{name}, log"), scale: Scale::Log(log_range(all()), 6) }
     } else {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::read::{Names, Read};
 use super::write::plain_html;
-use super::{Place, budget, in_short};
+use super::{Place, budget, first};
 use crate::report::document::Document;
 use crate::report::format::{NONE, significant};
 use crate::report::metrics;
@@ -33,7 +33,7 @@ pub(super) fn section(
         .paragraphs((1..).zip(machines).map(|(number, machine)| format!("Machine {number}: {machine}.")));
     let mut html = format!(
         "<div class=\"answer\">{}</div>\n<div class=\"notes\">{}</div>\n",
-        in_short::text(places),
+        first::in_short(places),
         plain_html(&notes, 3, names)
     );
     if places.is_empty() {

@@ -14,7 +14,7 @@ use crate::report::chart::front::{
 };
 use crate::report::chart::{Chart, SCALE, hex};
 use crate::report::document::Document;
-use crate::report::format::{significant, with_interval};
+use crate::report::format::{significant, size, with_interval};
 use crate::report::metrics;
 use crate::report::pareto::{cost_name, page};
 use crate::results::said as said_value;
@@ -29,7 +29,7 @@ pub(super) fn fronts(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
         let on_fronts = by_rule(place, |by| page::front_points(&place.read.record, place.section, place.field, by));
         pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &on_fronts, names));
     }
-    let of_record = |place: &Place<'_>| Piece::Fixed(points(place));
+    let of_record = |place: &Place<'_>| Piece::fixed(points(place));
     pieces.extend(places.iter().unique_by(|place| place.number).map(of_record));
     pieces
 }
@@ -83,8 +83,7 @@ fn points(place: &Place<'_>) -> String {
     for (index, point) in place.section.points.iter().enumerate() {
         let parameters = point.parameters.iter().map(|(name, value)| format!("{name}={}", said_value(value))).join(" ");
         let (id, tags, label) = (id(place, index), Tags::of_tracer(&point.tracer).text(), escape(&point.label()));
-        let (parameters, [width, height], face) = (escape(&parameters), point.frame, point.face);
-        let size = format!("{width}×{height}, {face}");
+        let (parameters, size) = (escape(&parameters), format!("{}, {}", size(point.frame), point.face));
         let _ = writeln!(rows, "<tr id=\"{id}\"{tags}><td>{label}</td><td>{parameters}</td><td>{size}</td></tr>");
     }
     let table = format!(

@@ -10,7 +10,6 @@ mod budget;
 mod causes;
 mod first;
 mod fronts;
-mod in_short;
 mod pictures;
 mod pieces;
 mod read;
@@ -129,8 +128,8 @@ pub fn page(
         ("causes", "Causes of wrong answers", causes::causes(&places, &names)),
         ("studies", "Sweeps and other studies", pages(Section::Study)?),
         ("runs", "Runs in full", pages(Section::Run)?),
-        ("machine", "Machines and records", vec![Piece::Fixed(sources(&all, &names))]),
-        ("rules", "Rules", vec![Piece::Fixed(rules)]),
+        ("machine", "Machines and records", vec![Piece::fixed(sources(&all, &names))]),
+        ("rules", "Rules", vec![Piece::fixed(rules)]),
     ];
     // Those that have nothing are not there.
     sections.retain(|(.., pieces)| !pieces.is_empty());
@@ -140,8 +139,8 @@ pub fn page(
     let link = |(id, title): &(&str, &str)| format!("<li><a href=\"#{id}\">{title}</a></li>");
     let links: String = titles.iter().map(link).collect();
     let section = |(id, title, pieces): (&str, &str, Vec<Piece>)| {
-        let begin = Piece::Fixed(format!("<section id=\"{id}\"><h2>{title}</h2>\n"));
-        std::iter::once(begin).chain(pieces).chain([Piece::Fixed("</section>\n".to_owned())])
+        let begin = Piece::fixed(format!("<section id=\"{id}\"><h2>{title}</h2>\n"));
+        std::iter::once(begin).chain(pieces).chain([Piece::fixed("</section>\n")])
     };
     let pieces: Vec<Piece> = sections.into_iter().flat_map(section).collect();
     let answer = answer::section(&places, &all, &machines, &copies, &names);
@@ -171,13 +170,12 @@ pub fn page(
 
 /// Takes the chart out that stands on the first screen: the front of a place, or where there is none the first chart of all.
 fn first_chart(sections: &mut [(&str, &str, Vec<Piece>)], place: Option<String>) -> String {
-    let is_first = |piece: &mut Piece| match (piece, &place) {
-        (Piece::Heavy { what, rank: Rank::Front, .. }, Some(place)) => *what == format!("fronts of {place}"),
-        (Piece::Heavy { rank: Rank::Chart, .. }, None) => true,
-        _ => false,
+    let is_first = |piece: &mut Piece| match &place {
+        Some(place) => piece.rank == Some(Rank::Front) && piece.what == format!("fronts of {place}"),
+        None => piece.rank == Some(Rank::Chart),
     };
     let found = sections.iter_mut().find_map(|(.., pieces)| pieces.extract_if(.., is_first).next());
-    found.map_or_else(String::new, |(Piece::Heavy { html, .. } | Piece::Fixed(html))| html)
+    found.map_or_else(String::new, |piece| piece.html)
 }
 
 fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>> {

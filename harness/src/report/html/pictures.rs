@@ -41,7 +41,7 @@ fn others(places: &[Place<'_>]) -> Option<Piece> {
     let all: BTreeSet<String> = records.into_iter().flat_map(of_record).collect();
     let names = all.iter().map(|name| format!("<code>{}</code>", escape(name))).join(", ");
     let what = "Left out, since these files are not the pictures that the record names";
-    (!names.is_empty()).then(|| Piece::Fixed(format!("<p>{what}: {names}.</p>\n")))
+    (!names.is_empty()).then(|| Piece::fixed(format!("<p>{what}: {names}.</p>\n")))
 }
 
 /// What can be chosen, of a tracer.

@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
+
 pub(super) use crate::report::format::escape;
 
 /// What is kept first where there is no room for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
-    /// Fronts.
     Front,
     /// Pages and tables that answer what was asked.
     Page,
@@ -21,37 +22,34 @@ pub(super) enum Rank {
 
 /// A part of a page.
 #[derive(Debug)]
-pub(super) enum Piece {
-    /// One that is always there.
-    Fixed(String),
-    /// One that may be left out.
-    Heavy {
-        /// Of those that may, which goes first.
-        rank: Rank,
-        /// What it is, for people.
-        what: String,
-        /// What it belongs to, as attributes.
-        tags: String,
-        /// The part.
-        html: String,
-    },
+pub(super) struct Piece {
+    /// Of those that may be left out, which goes first; none of one that is always there.
+    pub rank: Option<Rank>,
+    /// What it is, for people.
+    pub what: String,
+    /// What it belongs to, as attributes.
+    tags: String,
+    /// The part.
+    pub html: String,
 }
 
 impl Piece {
+    /// One that is always there.
+    pub(super) fn fixed(html: impl Into<String>) -> Self {
+        Self { rank: None, what: String::new(), tags: String::new(), html: html.into() }
+    }
+
     /// One that may be left out.
     pub(super) fn heavy(rank: Rank, what: impl Into<String>, tags: Tags<'_>, html: String) -> Self {
-        Self::Heavy { rank, what: what.into(), tags: tags.text(), html }
+        Self { rank: Some(rank), what: what.into(), tags: tags.text(), html }
     }
 }
 
 /// What a part belongs to, as attributes: who leaves it out leaves the part out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tags<'a> {
-    /// The scene.
     pub scene: Option<&'a str>,
-    /// The ray set.
     pub rays: Option<&'a str>,
-    /// The tracer.
     pub tracer: Option<&'a str>,
 }
 
@@ -72,13 +70,8 @@ impl<'a> Tags<'a> {
 
     /// As attributes, each after a blank.
     pub(super) fn text(self) -> String {
-        let mut text = String::new();
-        for (name, value) in [("scene", self.scene), ("rays", self.rays), ("tracer", self.tracer)] {
-            if let Some(value) = value {
-                let _ = write!(text, " data-{name}=\"{}\"", escape(value));
-            }
-        }
-        text
+        let tags = [("scene", self.scene), ("rays", self.rays), ("tracer", self.tracer)].into_iter();
+        tags.filter_map(|(name, value)| Some(format!(" data-{name}=\"{}\"", escape(value?)))).collect()
     }
 }
 
@@ -88,36 +81,24 @@ const NOTE: usize = 160;
 /// Puts parts together in at most so many bytes, and tells what was left out: of the last rank first, and there what would be too much.
 /// Fixed parts are always there.
 pub(super) fn fit(pieces: &[Piece], most: usize) -> (String, Vec<String>) {
-    let fixed: usize = pieces
-        .iter()
-        .map(|piece| match piece {
-            Piece::Fixed(html) => html.len(),
-            Piece::Heavy { what, tags, .. } => NOTE + tags.len() + 2 * escape(what).len(),
-        })
-        .sum();
-    let mut room = most.saturating_sub(fixed);
-    let mut order: Vec<usize> = (0..pieces.len()).collect();
-    let rank = |place: &usize| match &pieces[*place] {
-        Piece::Fixed(_) => None,
-        Piece::Heavy { rank, .. } => Some(*rank),
+    let fixed = |Piece { rank, what, tags, html }: &Piece| match rank {
+        None => html.len(),
+        Some(_) => NOTE + tags.len() + 2 * escape(what).len(),
     };
-    order.sort_by_key(rank);
+    let mut room = most.saturating_sub(pieces.iter().map(fixed).sum());
     let mut kept = vec![true; pieces.len()];
-    for place in order {
-        if let Piece::Heavy { html, .. } = &pieces[place] {
-            kept[place] = html.len() <= room;
-            room -= if kept[place] { html.len() } else { 0 };
-        }
+    let heavy = pieces.iter().enumerate().filter(|(_, piece)| piece.rank.is_some());
+    for (place, piece) in heavy.sorted_by_key(|(_, piece)| piece.rank) {
+        kept[place] = piece.html.len() <= room;
+        room -= if kept[place] { piece.html.len() } else { 0 };
     }
     let (mut page, mut dropped) = (String::new(), Vec::new());
-    for (piece, kept) in pieces.iter().zip(kept) {
-        match piece {
-            Piece::Fixed(html) => page.push_str(html),
-            Piece::Heavy { html, .. } if kept => page.push_str(html),
-            Piece::Heavy { what, tags, html, .. } => {
-                let _ = writeln!(page, "<p class=\"dropped\"{tags}>Left out for want of room: {}.</p>", escape(what));
-                dropped.push(format!("{what} ({} kB)", html.len().div_ceil(1000)));
-            }
+    for (Piece { what, tags, html, .. }, kept) in pieces.iter().zip(kept) {
+        if kept {
+            page.push_str(html);
+        } else {
+            let _ = writeln!(page, "<p class=\"dropped\"{tags}>Left out for want of room: {}.</p>", escape(what));
+            dropped.push(format!("{what} ({} kB)", html.len().div_ceil(1000)));
         }
     }
     (page, dropped)
@@ -135,11 +116,11 @@ mod tests {
             Piece::heavy(rank, what, tags, format!("<i>{}</i>", what.repeat(300)))
         };
         let pieces = [
-            Piece::Fixed("<p>head</p>".to_owned()),
+            Piece::fixed("<p>head</p>"),
             heavy(Rank::Full, "f"),
             heavy(Rank::Front, "w"),
             heavy(Rank::Chart, "c"),
-            Piece::Fixed("<p>foot</p>".to_owned()),
+            Piece::fixed("<p>foot</p>"),
         ];
         let (whole, dropped) = fit(&pieces, 10_000);
         assert!(dropped.is_empty() && whole.len() < 1000 && whole.contains("www") && whole.ends_with("<p>foot</p>"));

@@ -37,7 +37,6 @@ impl Read<'_> {
 pub(super) struct Records<'a> {
     /// Records, each once.
     pub all: Vec<Read<'a>>,
-    /// Their machines.
     pub machines: Vec<String>,
     /// Names of records that are the same as another one, with that one's.
     pub copies: Vec<[String; 2]>,
@@ -133,11 +132,8 @@ fn point(row: &Row, order: u32) -> FrontPoint {
 /// Names of scenes, ray sets and tracers of all records, each once.
 #[derive(Debug, Default)]
 pub(super) struct Names {
-    /// Scenes.
     pub scenes: Vec<String>,
-    /// Ray sets.
     pub rays: Vec<String>,
-    /// Tracers.
     pub tracers: Vec<String>,
 }
 

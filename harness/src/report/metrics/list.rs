@@ -21,9 +21,7 @@ macro_rules! figures {
 }
 
 figures! {
-    /// Rays asked.
     COUNT = plain("count_rays", |trace| Some(trace.count.into()));
-    /// Ambiguous rays.
     AMBIGUOUS = metric("ambiguous_rays", "ambiguous", "rays", Neither, |trace| {
         Some(trace.judgement.ambiguous().into())
     });
@@ -31,7 +29,6 @@ figures! {
     SPEED = metric("mrays_per_s", "speed", "Mrays/s", Higher, |trace| {
         Some(Cell::Measured(speed(trace)?, speed_interval(trace), 4))
     });
-    /// Time of a trace.
     TRACE_TIME = metric("median_ms", "median time", "ms", Lower, |trace| timed(trace, (&trace.times).into()));
     INTERVAL_COVERAGE = plain("interval_coverage_share", |trace| timed(trace, trace.times.interval_coverage.into()));
     TRACE_HOST = plain("trace_host_ms", |trace| Some(host_ms(&trace.times).into()));
@@ -62,15 +59,11 @@ figures! {
     SETUP = structure_alone("setup_ms", |row| Some(row.build.setup_ms.into()));
     /// Allocated bytes of the structure.
     STRUCTURE = structure("structure_bytes", "structure", "MiB", Lower, |row| bytes(row.memory.structure_bytes));
-    /// What of them is used.
     USED = structure("structure_used_bytes", "used", "MiB", Lower, |row| bytes(used_bytes(row)));
     BYTES_PER_TRIANGLE = structure_alone("bytes_per_triangle", |row| Some(per_triangle(row)[0].into()));
     USED_BYTES_PER_TRIANGLE = structure_alone("used_bytes_per_triangle", |row| Some(per_triangle(row)[1].into()));
-    /// Geometry needed beside the structure.
     GEOMETRY = structure("geometry_bytes", "geometry", "MiB", Lower, |row| bytes(row.memory.geometry_bytes));
-    /// The most held while building.
     BUILD_PEAK = structure("build_peak_bytes", "build peak", "MiB", Lower, |row| bytes(row.memory.build_peak_bytes));
-    /// Right about hit or miss.
     HIT_MISS = metric("agreement_hit_miss_share", "agreement hit_miss", "", Higher, |trace| right(trace, Closest, 0));
     /// Right by the analytic rule.
     TIGHT = metric("agreement_tight_share", "agreement tight", "", Higher, |trace| right(trace, Closest, 1));
@@ -78,7 +71,6 @@ figures! {
     FOOTPRINT = metric("agreement_footprint_share", "agreement footprint", "", Higher, |trace| {
         right(trace, Closest, 2)
     });
-    /// How far hits are off.
     POSITION = metric("position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
         Some(closest(trace)?.position_error.into())
     });
@@ -97,7 +89,6 @@ figures! {
         metric("surface_distance_scene_units", "distance p50 / p95 / p99", "scene units", Lower, |trace| {
             Some(distance(trace)?.distance.into())
         });
-    /// The right triangle.
     IDENTITY = metric("identity_share", "identity", "", Higher, |trace| {
         let judgement = closest(trace)?;
         Some(Cell::Share(judgement.identity?, None, judgement.classes.tight.true_hit))
@@ -115,41 +106,29 @@ figures! {
     FOOTPRINT_FALSE_MISS = plain("footprint_false_miss_rays", |trace| in_class(trace, |of| of.footprint.false_miss));
     FOOTPRINT_EARLY = plain("footprint_early_rays", |trace| in_class(trace, |of| of.footprint.early));
     FOOTPRINT_LATE = plain("footprint_late_rays", |trace| in_class(trace, |of| of.footprint.late));
-    /// Right about occlusion.
     BALANCED = metric("balanced_accuracy_share", "balanced accuracy", "", Higher, |trace| right(trace, Any, 0));
-    /// Rays rightly said to be occluded.
     TRUE_OCCLUDED = metric("true_occluded_rays", "rightly occluded", "", Neither, |trace| {
         of_any(trace, |of| of.true_occluded)
     });
-    /// Rays rightly said to be free.
     TRUE_FREE = metric("true_free_rays", "rightly free", "", Neither, |trace| of_any(trace, |of| of.true_free));
-    /// Rays wrongly said to be occluded.
     FALSE_OCCLUDED = metric("false_occluded_rays", "wrongly occluded", "", Lower, |trace| {
         of_any(trace, |of| of.false_occluded)
     });
-    /// Rays wrongly said to be free.
     FALSE_FREE = metric("false_free_rays", "wrongly free", "", Lower, |trace| of_any(trace, |of| of.false_free));
-    /// Surfaces that are right.
     SURFACES = metric("surface_agreement_share", "surfaces", "", Higher, |trace| {
         let judged = trace.surfaces.as_ref()?;
         Some(Cell::Share(judged.agreement?, judged.interval, judged.judged))
     });
     SURFACE_JUDGED = plain("surface_judged_rays", |trace| Some(trace.surfaces.as_ref()?.judged.into()));
-    /// Surfaces that were not found.
     LOST = metric("surface_lost_rays", "lost", "rays", Lower, |trace| Some(trace.surfaces.as_ref()?.lost.into()));
-    /// Surfaces of the right material.
     MATERIAL = metric("surface_material_share", "material", "", Higher, |trace| surfaces(trace, |of| of.material));
-    /// Surfaces with the right normal.
     NORMAL = metric("surface_normal_share", "normal", "", Higher, |trace| surfaces(trace, |of| of.normal));
-    /// Surfaces in the right place.
     POSITION_OF_SURFACE = metric("surface_position_share", "position", "", Higher, |trace| {
         surfaces(trace, |of| of.position)
     });
-    /// How far normals are off.
     NORMAL_ERROR = metric("surface_normal_error_degrees", "normal error p50 / p95 / p99", "degrees", Lower, |trace| {
         Some(trace.surfaces.as_ref()?.normal_error_degrees.into())
     });
-    /// How far surfaces are off.
     POSITION_ERROR_OF_SURFACE =
         metric("surface_position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
             Some(trace.surfaces.as_ref()?.position_error.into())

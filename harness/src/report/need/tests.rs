@@ -67,9 +67,10 @@ fn needs_have_their_files() {
     assert!(page.contains(first), "{page}");
     assert!(page.contains("buckets: not at all, 8 is too small"), "{page}");
     assert!(page.contains("0 of 1 serve") && page.contains("**no**"), "{page}");
+    assert!(page.contains("a rule needs two scenes"), "{page}");
     let told: Vec<String> = fixture::configs(folder.path()).iter().map(|row| row["newly_wrong_rays"].clone()).collect();
     assert_eq!(told, ["", "30", "900", "", "700", "900"]);
-    let chart = |end: &str| written.iter().find(|path| path.ends_with(format!("need_room_diffuse.{end}"))).unwrap();
+    let chart = |end: &str| written.iter().find(|path| path.ends_with(format!("need_room.{end}"))).unwrap();
     let svg = std::fs::read_to_string(chart("svg")).unwrap();
     check_svg("need", &svg);
     assert!(svg.contains("from window") && svg.contains("dirt: buckets") && svg.contains("limit, 0.1"));
@@ -90,4 +91,46 @@ fn nothing_to_shrink_is_said() {
     record.rows.clear();
     let written = write_run(&record, folder.path(), fixture::tables).unwrap();
     assert!(written.iter().all(|path| path.extension().is_none_or(|end| end != "svg")));
+}
+
+/// Proves that of two scenes each has its chart; that the page counts the cases in which steps are enough; that a rule which loses rays in the
+/// scene that it was not made of is shown to lose them there, from the worst viewpoint; and that without that viewpoint it holds.
+#[test]
+fn rules_that_lose_are_shown_to() {
+    let mut record = planted();
+    let mut other = planted();
+    for row in &mut other.rows {
+        "hall".clone_into(&mut row.scene.name);
+        "hall".clone_into(&mut row.scene.sha256);
+    }
+    let mut curve = other.need.unwrap().curves.remove(0);
+    (curve.scene, curve.scene_sha256) = ("hall".to_owned(), "hall".to_owned());
+    record.need.as_mut().unwrap().curves.push(curve);
+    record.rows.append(&mut other.rows);
+    let page = |record: &Record| {
+        let folder = TempDir::new().unwrap();
+        write_run(record, folder.path(), fixture::tables).unwrap();
+        for scene in ["room", "hall"] {
+            assert!(folder.path().join(format!("need_{scene}.svg")).is_file());
+        }
+        std::fs::read_to_string(folder.path().join("need.md")).unwrap()
+    };
+    let both = page(&record);
+    for wanted in [
+        "| dirt | buckets=8 | 50.0 | 3 | 2 | 0 | 1 | 0 |",
+        "| dirt | buckets=4 | 25.0 | 3 | 0 | 0 | 3 | 0 |",
+        "| dirt | all scenes | the whole | 100.0 | – | – |",
+        "| dirt | all but room | buckets=8 | 50.0 | 0.700 [0.648, 0.752] | not enough |",
+        "| dirt | all but hall | the whole | 100.0 | – | – |",
+        "0 of 1 that ask for less than the whole are enough there",
+    ] {
+        assert!(both.contains(wanted), "{wanted}: {both}");
+    }
+    record.need.as_mut().unwrap().curves.remove(1);
+    let one = page(&record);
+    assert!(one.contains("| dirt | all scenes | buckets=8 | 50.0 | 0.0300 [0.0191, 0.0409] | enough |"), "{one}");
+    assert!(
+        one.contains("2 of 2 that ask for less than the whole are enough there") && !one.contains("| not enough |\n"),
+        "{one}"
+    );
 }

@@ -120,42 +120,41 @@ impl Operating<'_> {
         Some(self.field.cost(&self.found, cost)?.value)
     }
 
-    fn held_out(&self) -> &'static str {
-        match self.check() {
-            Check::Holds(_) => "holds",
-            Check::WithinNoise(_) => "within_noise",
-            Check::Misses(..) => "misses",
-            Check::NotMeasured => "not_measured",
-        }
-    }
-
-    fn right_there(&self) -> Option<Amount> {
-        match self.check() {
-            Check::Holds(wrong) | Check::WithinNoise(wrong) | Check::Misses(wrong, _) => {
-                Some(wrong.share.times(-1.0).and(Amount::exact(1.0)))
-            }
-            Check::NotMeasured => None,
-        }
+    /// The same for programs, with how often it is right there.
+    fn held_out(&self) -> (&'static str, Option<Amount>) {
+        let (what, wrong) = match self.check() {
+            Check::Holds(wrong) => ("holds", wrong),
+            Check::WithinNoise(wrong) => ("within_noise", wrong),
+            Check::Misses(wrong, _) => ("misses", wrong),
+            Check::NotMeasured => return ("not_measured", None),
+        };
+        (what, Some(wrong.share.times(-1.0).and(Amount::exact(1.0))))
     }
 }
 
 /// Every operating point.
 pub(super) fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>> {
     let mut rows = Vec::new();
-    for (shown, field) in shown.iter().flat_map(|shown| shown.fronts.fields.iter().map(move |field| (shown, field))) {
-        for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
-            let all = std::iter::once(("all", field.entries.clone()));
-            let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
-            for (of, entries) in all.chain(each) {
-                let chosen = |aim| {
-                    let found = best(field, &entries, by, level, aim)?;
-                    Some(Operating { shown, field, by, level, of, aim, found })
-                };
-                rows.extend(Aim::ALL.into_iter().filter_map(chosen));
-            }
+    for (shown, field, by, level) in asked(shown) {
+        let all = std::iter::once(("all", field.entries.clone()));
+        let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
+        for (of, entries) in all.chain(each) {
+            let chosen = |aim| {
+                let found = best(field, &entries, by, level, aim)?;
+                Some(Operating { shown, field, by, level, of, aim, found })
+            };
+            rows.extend(Aim::ALL.into_iter().filter_map(chosen));
         }
     }
     rows
+}
+
+/// Every ray set with the rules by which its answers are right, and how often they are to be.
+fn asked<'a>(shown: &'a [Shown<'a>]) -> impl Iterator<Item = (&'a Shown<'a>, &'a Field<'a>, By, f64)> {
+    let fields = shown.iter().flat_map(|shown| shown.fronts.fields.iter().map(move |field| (shown, field)));
+    fields.flat_map(|(shown, field)| {
+        By::all(field.query).iter().cartesian_product(LEVELS).map(move |(by, level)| (shown, field, *by, level))
+    })
 }
 
 /// A row a scene, ray set, rule, level, tracer and aim.
@@ -177,8 +176,8 @@ pub(super) fn operating(shown: &[Shown<'_>]) -> Table {
         .csv_column("agreement_share", |row| Wrong::of(row.found.trace, row.by).map(|wrong| 1.0 - wrong.share.value))
         .csv_column("checked_from", |row| row.there().map(|there| there.viewpoint.name.clone()))
         .csv_column("checked_seed", |row| row.there().map(|there| there.seed))
-        .csv_column("held_out", Operating::held_out)
-        .csv_column("checked_agreement_share", Operating::right_there);
+        .csv_column("held_out", |row| row.held_out().0)
+        .csv_column("checked_agreement_share", |row| row.held_out().1);
     sheet.table(&operating_points(shown))
 }
 
@@ -191,22 +190,14 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// The cheaper one: always, or below a number of rays.
-    fn cheaper(&self) -> Option<String> {
-        let who = match self.found {
-            BreakEven::Always(who) => who,
-            BreakEven::At { below, .. } => below,
-            BreakEven::Undecided(_) => return None,
+    /// What is found, and the cheaper one: always, or below a number of rays.
+    fn verdict(&self) -> (&'static str, Option<String>) {
+        let (what, who) = match self.found {
+            BreakEven::Always(who) => ("always", who),
+            BreakEven::At { below, .. } => ("overtakes", below),
+            BreakEven::Undecided(_) => return ("undecided", None),
         };
-        Some(self.both[who.min(1)].entry.point.label())
-    }
-
-    fn verdict(&self) -> &'static str {
-        match self.found {
-            BreakEven::Always(_) => "always",
-            BreakEven::At { .. } => "overtakes",
-            BreakEven::Undecided(_) => "undecided",
-        }
+        (what, Some(self.both[who.min(1)].entry.point.label()))
     }
 }
 
@@ -224,22 +215,19 @@ fn one_of<'a>(place: usize, name: &str) -> Columns<'a, Pair<'a>> {
 }
 
 /// A row a scene, ray set, rule, level, motion and pair of points of different tracers.
-pub(super) fn break_even_counts(shown: &[Shown<'_>]) -> Table {
-    let mut all: Vec<(&Field<'_>, Class<'_>)> = Vec::new();
-    for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
-        for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
-            all.extend(classes(&scene.fronts, field, by, level).into_iter().map(|class| (field, class)));
-        }
-    }
+pub(super) fn break_even_counts<'a>(shown: &'a [Shown<'a>]) -> Table {
+    let of = |(shown, field, by, level): (&Shown<'a>, &'a Field<'a>, By, f64)| {
+        classes(&shown.fronts, field, by, level).into_iter().map(move |class| (field, class))
+    };
+    let all: Vec<(&Field<'_>, Class<'_>)> = asked(shown).flat_map(of).collect();
     let mut rows: Vec<Pair<'_>> = Vec::new();
     for (field, class) in &all {
-        for (place, one) in class.costs.iter().enumerate() {
-            let others = class.costs[place + 1..].iter();
-            rows.extend(others.filter(|other| other.entry.point.tracer != one.entry.point.tracer).map(|other| {
-                let caveat = one.caveat.clone().or_else(|| other.caveat.clone());
-                Pair { field, class, both: [one, other], found: break_even(&one.cost, &other.cost, caveat) }
-            }));
-        }
+        let pairs = class.costs.iter().tuple_combinations::<(_, _)>();
+        let of_several = pairs.filter(|(one, other)| other.entry.point.tracer != one.entry.point.tracer);
+        rows.extend(of_several.map(|(one, other)| {
+            let caveat = one.caveat.clone().or_else(|| other.caveat.clone());
+            Pair { field, class, both: [one, other], found: break_even(&one.cost, &other.cost, caveat) }
+        }));
     }
     let sheet = Sheet::<Pair<'_>>::new()
         .csv_column("scene", |row| row.field.scene.scene.name.clone())
@@ -249,8 +237,8 @@ pub(super) fn break_even_counts(shown: &[Shown<'_>]) -> Table {
         .csv_column("geometry", |row| row.class.motion.name())
         .with(one_of(0, "one"))
         .with(one_of(1, "other"))
-        .csv_column("verdict", Pair::verdict)
-        .csv_column("cheaper_below", Pair::cheaper)
+        .csv_column("verdict", |row| row.verdict().0)
+        .csv_column("cheaper_below", |row| row.verdict().1)
         .csv_column("rays_a_frame", |row| {
             row.found.at().map(|(rays, interval, _)| Cell::Measured(rays, Some(interval), 4))
         })

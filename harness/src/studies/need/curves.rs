@@ -3,11 +3,10 @@
 
 use std::collections::BTreeMap;
 
+use super::Outcome;
 use crate::registrations::Touch;
 use crate::registry;
-use crate::results::{
-    ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Record, Row, Rule, Timed, TraceRecord, values_label,
-};
+use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Record, Row, Rule, Timed, TraceRecord};
 use crate::statistics::paired_difference;
 use crate::studies::tune;
 use itertools::Itertools as _;
@@ -63,28 +62,17 @@ pub struct Need<'a> {
     pub too_small: Option<&'a str>,
 }
 
-/// What became of a need elsewhere.
+/// A need elsewhere.
 #[derive(Clone, Debug)]
 pub struct Transfer<'a> {
     /// Where it was found.
-    pub from: &'a NeedCurve,
+    pub from: &'a Curve<'a>,
     /// Where it is tried.
     pub to: &'a NeedCurve,
-    /// The ray set.
-    pub rays: &'a str,
-    /// What is needed there: the smallest value of an axis that does, or of several axes at once.
+    /// What is needed: the smallest value of an axis that does, or of several axes at once.
     pub values: &'a BTreeMap<String, String>,
-    /// What it does to rays there: newly wrong less newly right, a share with its interval; none where it was not measured.
-    pub lost: Option<(f64, [f64; 2])>,
-    /// Whether it serves there; none where it was not measured.
-    pub serves: Option<bool>,
-}
-
-impl Transfer<'_> {
-    /// What is needed, as `name=value`.
-    pub fn values_label(&self) -> String {
-        values_label(self.values)
-    }
+    /// The same there, if it was measured.
+    pub step: Option<&'a Step<'a>>,
 }
 
 impl<'a> Step<'a> {
@@ -105,6 +93,16 @@ impl<'a> Step<'a> {
     pub fn is_enough(&self, in_time: bool) -> bool {
         let is_quick = self.times_as_long.is_none_or(|ratio| ratio.value <= self.max_slowdown);
         self.lost().is_some_and(|(_, [_, upper])| upper <= self.max_lost_share) && (is_quick || !in_time)
+    }
+
+    /// The same by answers alone, where these were compared, and whether they tell.
+    pub fn outcome(&self) -> Option<Outcome> {
+        let (_, [lower, _]) = self.lost()?;
+        Some(match self.is_enough(false) {
+            true => Outcome::Enough,
+            false if lower > self.max_lost_share => Outcome::NotEnough,
+            false => Outcome::Undecided,
+        })
     }
 
     /// Allocated bytes of the structure.
@@ -252,22 +250,14 @@ fn trace_of<'r>(row: &'r Row, rays: &str) -> Option<&'r TraceRecord> {
 
 /// What becomes of every need in every other place where the same was measured of the same tracer: from another viewpoint of the scene,
 /// and on other scenes.
-pub fn transfers<'a>(curves: &[Curve<'a>]) -> Vec<Transfer<'a>> {
-    let mut found = Vec::new();
-    for from in curves {
-        for values in from.needs() {
-            for to in curves {
-                let same = (&to.section.tracer, &to.section.preset, to.rays)
-                    == (&from.section.tracer, &from.section.preset, from.rays);
-                if !same || std::ptr::eq(from.section, to.section) {
-                    continue;
-                }
-                let step = to.steps().find(|step| step.point.shrunk == *values);
-                let lost = step.and_then(Step::lost);
-                let serves = lost.and(step).map(|step| step.is_enough(false));
-                found.push(Transfer { from: from.section, to: to.section, rays: from.rays, values, lost, serves });
-            }
-        }
-    }
-    found
+pub fn transfers<'a>(curves: &'a [Curve<'a>]) -> Vec<Transfer<'a>> {
+    let of = |curve: &Curve<'a>| (&curve.section.tracer, &curve.section.preset, curve.rays);
+    let tried = |(from, values): (&'a Curve<'a>, &'a BTreeMap<String, String>)| {
+        let others = curves.iter().filter(move |to| of(to) == of(from) && !std::ptr::eq(from.section, to.section));
+        others.map(move |to| {
+            let step = to.steps().find(|step| step.point.shrunk == *values);
+            Transfer { from, to: to.section, values, step }
+        })
+    };
+    curves.iter().flat_map(|from| from.needs().into_iter().map(move |values| (from, values))).flat_map(tried).collect()
 }

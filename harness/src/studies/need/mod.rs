@@ -6,6 +6,7 @@
 //! that from the scene's viewpoint and from another one. What is needed follows from it.
 
 mod curves;
+mod rules;
 #[cfg(test)]
 mod tests;
 
@@ -14,6 +15,7 @@ use std::collections::BTreeMap;
 use itertools::Itertools as _;
 
 pub use curves::{Axis, Curve, Need, Step, Transfer, curves, transfers};
+pub use rules::{OfTracer, Outcome, Thumb, Tried, rules};
 
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
@@ -148,14 +150,11 @@ pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
             }
         }
     }
-    for curve in &section.curves {
-        for point in &curve.points {
-            if let Some(reason) = point.skipped.clone() {
-                let tracer = Some(format!("{} {}", curve.tracer, point.label()).trim_end().to_owned());
-                record.skipped.push(Skipped { tracer, scene: curve.scene.clone(), rays: None, reason });
-            }
-        }
-    }
+    let points = section.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    record.skipped.extend(points.filter_map(|(curve, point)| {
+        let tracer = Some(format!("{} {}", curve.tracer, point.label()).trim_end().to_owned());
+        Some(Skipped { tracer, scene: curve.scene.clone(), rays: None, reason: point.skipped.clone()? })
+    }));
     if record.rows.is_empty() && context.shard.is_none() {
         return Err(measure::nothing(&record));
     }
@@ -211,18 +210,13 @@ fn joint_before(curves: &[NeedCurve], request: &TracerRequest) -> Vec<BTreeMap<S
 
 /// What several axes have at once, each as far as it may shrink alone; only where that is more than one.
 fn joint(record: &Record, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
-    let mut joints: Vec<BTreeMap<String, String>> = Vec::new();
     let aligned = record.aligned();
-    for told in curves::of_record(&aligned, curve, MAX_LOST_SHARE, MAX_SLOWDOWN) {
-        for in_time in [false, true] {
-            let smallest = |axis: &Axis<'_>| Some((axis.name.to_owned(), axis.need(in_time).smallest?.to_owned()));
-            let needs: BTreeMap<String, String> = told.axes.iter().filter_map(smallest).collect();
-            if needs.len() > 1 && !joints.contains(&needs) {
-                joints.push(needs);
-            }
-        }
-    }
-    joints
+    let told = curves::of_record(&aligned, curve, MAX_LOST_SHARE, MAX_SLOWDOWN);
+    let needs = told.iter().cartesian_product([false, true]).map(|(told, in_time)| -> BTreeMap<String, String> {
+        let smallest = |axis: &Axis<'_>| Some((axis.name.to_owned(), axis.need(in_time).smallest?.to_owned()));
+        told.axes.iter().filter_map(smallest).collect()
+    });
+    needs.filter(|needs| needs.len() > 1).unique().collect()
 }
 
 /// Some structures in a plan's only scene, with what became of the rays.

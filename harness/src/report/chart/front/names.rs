@@ -9,10 +9,13 @@ use crate::studies::pareto::FrontStatus;
 /// Height of a line of names.
 const NAME_LINE: f64 = 12.0;
 
+/// How far below a point the middle of its name may be, first where it is best.
+const DROPS: [f64; 18] =
+    [-8.0, 8.0, -8.0, 8.0, -15.0, 20.0, -22.0, -22.0, 22.0, 22.0, 34.0, -30.0, 0.0, 0.0, 36.0, 36.0, -36.0, -36.0];
+
 /// A point's name.
 #[derive(Debug)]
 pub(in crate::report) struct Name<'a> {
-    /// The point.
     pub point: &'a Point,
     /// Where it begins, and its middle.
     pub place: (f64, f64),
@@ -68,28 +71,16 @@ pub(super) fn names<'a>(
             inside && !taken.iter().any(|other| meet(&own, other))
         };
         let clear = |corner: &(f64, f64)| free(corner) && !drawn.iter().any(|other| meet(&covers(corner), other));
-        let corners = [
-            (left + 8.0, top - 8.0),
-            (left + 8.0, top + 8.0),
-            (left - 8.0 - width, top - 8.0),
-            (left - 8.0 - width, top + 8.0),
-            (left - width / 2.0, top - 15.0),
-            (left - width / 2.0, top + 20.0),
-            (left + 8.0, top - 22.0),
-            (left - 8.0 - width, top - 22.0),
-            (left + 8.0, top + 22.0),
-            (left - 8.0 - width, top + 22.0),
-            (left - width / 2.0, top + 34.0),
-            (left - width / 2.0, top - 30.0),
-            (left + 16.0, *top),
-            (left - 16.0 - width, *top),
-            (left + 8.0, top + 36.0),
-            (left - 8.0 - width, top + 36.0),
-            (left + 8.0, top - 36.0),
-            (left - 8.0 - width, top - 36.0),
+        let ([right, far], [before, ahead]) =
+            ([8.0, 16.0].map(|by| left + by), [8.0, 16.0].map(|by| left - by - width));
+        let over = left - width / 2.0;
+        let begins = [
+            right, right, before, before, over, over, right, before, right, before, over, over, far, ahead, right,
+            before, right, before,
         ];
+        let corners = begins.into_iter().zip(DROPS.map(|drop| top + drop));
         // One that finds no room is told by its colour and form.
-        let found = corners.iter().copied().find(clear).or_else(|| corners.iter().copied().find(free));
+        let found = corners.clone().find(clear).or_else(|| corners.clone().find(free));
         let Some((begin, middle)) = found else { continue };
         taken.push(covers(&(begin, middle)));
         names.push(Name { point, place: (begin, middle) });
