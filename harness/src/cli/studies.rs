@@ -13,7 +13,7 @@ use tracebench_api::TraceTo;
 use super::arguments::{DeviceArguments, Selection, WorkArguments, within};
 use super::output::{print, print_end};
 use super::work::{Bench, OutputArguments, Work, all_measured};
-use super::{CliError, fail_for, names, open_device, refuse};
+use super::{CliError, fail, fail_for, names, open_device, refuse};
 use crate::files;
 use crate::judge::Rule;
 use crate::measure::{self, MAX_RESIDENT, records};
@@ -21,6 +21,7 @@ use crate::progress::Progress;
 use crate::registry::{self, Registration, TRACERS};
 use crate::render::Effect;
 use crate::report;
+use crate::results::FramesRecord;
 use crate::studies::attack::{self, AttackOptions, TRIAL_IMAGE};
 use crate::studies::frames::{self, FramesRequest, MAX_FRAMES, Moves, PathsOf, Updates};
 use crate::studies::pareto::{DEFAULT_POINTS, Extent, MAX_POINTS, Pareto, RAYS_PER_PIXEL};
@@ -230,7 +231,8 @@ pub(super) fn frames(arguments: &FramesArguments, progress: &Progress) -> Result
     }
     let page = (report::FRAMES_PAGE, None);
     let record = work.study(request.describe(), page, |context| frames::execute(&work.plan, &request, context))?;
-    all_measured(&work.plan, &record)
+    all_measured(&work.plan, &record)?;
+    record.frames.as_ref().and_then(FramesRecord::fault).map_or(Ok(()), fail)
 }
 
 #[derive(Args)]

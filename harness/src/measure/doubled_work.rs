@@ -2,7 +2,7 @@
 
 use tracebench_api::{ClockKind, HitBuffer, Residency, Timing, TracerError};
 
-use super::interleaved_set::InterleavedSet;
+use super::interleaved_set::{InterleavedSet, Participant};
 use super::records;
 use super::session::PreparedRays;
 use crate::results::{DoubledWorkRecord, MIN_ROUNDS};
@@ -22,42 +22,44 @@ pub(crate) const fn takes(clock: ClockKind) -> [f64; 2] {
 pub(crate) const MIN_JUDGED_MS: f64 = 5.0;
 
 /// One that does its work twice.
+#[derive(Default)]
 pub(crate) struct DoubledWork {
     /// The participant whose work it does.
     pub participant: usize,
     pub timings: Vec<Timing>,
-    hits: Option<HitBuffer>,
+    /// Its buffer, where one is kept from round to round.
+    pub(super) hits: Option<HitBuffer>,
     /// Why it is not judged, as far as that is known.
     pub not_judged: Option<String>,
 }
 
+/// Of configurations in the plan's order the first on each clock; one that may refuse rays where there is no other. Told of each are its place,
+/// where it lives, and whether it may refuse rays.
+pub(super) fn firsts(all: &[(usize, Residency, bool)]) -> impl Iterator<Item = usize> {
+    [Residency::Host, Residency::Device].into_iter().filter_map(move |side| {
+        let on_side = all.iter().filter(|(_, residency, _)| *residency == side);
+        on_side.min_by_key(|(.., may_refuse)| *may_refuse).map(|(place, ..)| *place)
+    })
+}
+
 impl InterleavedSet<'_> {
-    /// The first configuration by the plan's order on each clock, ready to do its work twice; one that may refuse the rays where there is no
-    /// other.
+    /// The first configuration on each clock, ready to do its work twice.
     pub(super) fn doubles(&mut self, rays: &PreparedRays) -> Vec<DoubledWork> {
-        let first = |interleaved_set: &mut Self, residency: Residency| {
-            let wanted = |interleaved_set: &mut Self, participant: usize| {
-                interleaved_set.participants[participant].control.is_none()
-                    && interleaved_set.participants[participant].out.is_none()
-                    && interleaved_set.config(participant).description.residency == residency
-            };
-            let all = 0..interleaved_set.participants.len();
-            let wanted: Vec<usize> = all.filter(|participant| wanted(interleaved_set, *participant)).collect();
-            let may_refuse = |participant: &usize| {
-                let request = interleaved_set.participants[*participant].request.as_ref();
-                request.is_some_and(|request| request.registration.one_origin())
-            };
-            wanted.into_iter().min_by_key(may_refuse)
-        };
-        let mut doubles = Vec::new();
-        for residency in [Residency::Host, Residency::Device] {
-            let Some(participant) = first(self, residency) else { continue };
-            let session = self.session;
+        let mut able = Vec::new();
+        for place in 0..self.participants.len() {
+            let Participant { request, control, out, .. } = &self.participants[place];
+            if control.is_none() && out.is_none() {
+                let may_refuse = request.as_ref().is_some_and(|request| request.registration.one_origin());
+                able.push((place, self.config(place).description.residency, may_refuse));
+            }
+        }
+        let session = self.session;
+        let double = |participant: usize| {
             let hits = session.hit_buffer(self.config(participant), rays);
             let not_judged = hits.as_ref().err().map(TracerError::to_string);
-            doubles.push(DoubledWork { participant, timings: Vec::new(), hits: hits.ok(), not_judged });
-        }
-        doubles
+            DoubledWork { participant, hits: hits.ok(), not_judged, ..DoubledWork::default() }
+        };
+        firsts(&able).map(double).collect()
     }
 
     /// Lets one do its work twice. What goes wrong takes nobody out: the same work done once tells of it.
@@ -68,14 +70,20 @@ impl InterleavedSet<'_> {
         }
         let Some(hits) = double.hits.as_mut().filter(|_| double.not_judged.is_none()) else { return };
         let repeats = 2 * self.participants[participant].repeats;
-        match session.sample_trace(self.config(participant), rays, hits, repeats) {
-            Ok(timing) => double.timings.extend(Some(timing).filter(|_| counts)),
-            Err(error) => double.not_judged = Some(error.to_string()),
-        }
+        let sample = session.sample_trace(self.config(participant), rays, hits, repeats);
+        double.keep(sample, counts);
     }
 }
 
 impl DoubledWork {
+    /// Keeps a sample that counts; one that failed is the reason why nothing is judged.
+    pub(super) fn keep(&mut self, sample: Result<Timing, TracerError>, counts: bool) {
+        match sample {
+            Ok(timing) => self.timings.extend(Some(timing).filter(|_| counts)),
+            Err(error) => self.not_judged = Some(error.to_string()),
+        }
+    }
+
     /// What is said of it beside the same work done once, by timestamps where those of the interleaved set are believed.
     pub fn record(&self, tracer: String, once: &[Timing], believed: bool) -> DoubledWorkRecord {
         let [single, double] = [once, &self.timings].map(|samples| records::times(samples, believed));

@@ -6,6 +6,7 @@ use tracebench_api::{
 };
 use tracebench_scenes::Scene;
 
+use super::doubled_work::{DoubledWork, firsts};
 use super::interleaved_set::{FRAMES, Setting};
 use super::run::Context;
 use super::workload::Refusal;
@@ -27,17 +28,6 @@ pub(crate) struct MovingFrames {
     pub poses: Vec<Pose>,
 }
 
-/// A tracer's turn in a frame.
-pub(crate) struct Turn<'a> {
-    /// Its place among the requests.
-    pub follower: usize,
-    pub config: &'a TracerConfig,
-    /// What was done to its structure, without works yet.
-    pub row: FrameRow,
-    /// Whether it counts; else it warms up.
-    pub counts: bool,
-}
-
 /// What is asked in every frame.
 pub(crate) trait FrameWork {
     /// A frame as it is looked at.
@@ -52,8 +42,12 @@ pub(crate) trait FrameWork {
         before: Option<Self::Frame>,
     ) -> Result<Self::Frame, RunError>;
 
-    /// A tracer's turn; [`RunError::Device`] is the tracer's, and takes it out from this frame on.
-    fn turn(&mut self, here: &Self::Frame, turn: Turn<'_>) -> Result<(), RunError>;
+    /// The turn of the tracer of a place among the requests, which counts or warms up; the row is what was done to its structure, without
+    /// works yet. [`RunError::Device`] is the tracer's, and takes it out from this frame on.
+    fn turn(&mut self, here: &Self::Frame, of: (usize, &TracerConfig, bool), row: FrameRow) -> Result<(), RunError>;
+
+    /// The first of its work, done twice in one sample: the control of the clock.
+    fn twice(&mut self, here: &Self::Frame, config: &TracerConfig) -> Result<Timing, TracerError>;
 
     /// After the turns of a frame that counts.
     fn end(&mut self, here: &Self::Frame) -> Result<(), RunError>;
@@ -63,6 +57,8 @@ pub(crate) trait FrameWork {
 pub(crate) struct Followed {
     /// By request, why it was taken out.
     pub refused: Vec<Option<Refusal>>,
+    /// Those who did their work twice, by their places among the requests.
+    pub doubles: Vec<DoubledWork>,
     pub interleaved_set: Option<InterleavedSetRecord>,
 }
 
@@ -74,6 +70,9 @@ struct Follower {
     is_of: Option<(String, Pose)>,
     built_sah: Option<f64>,
     sah: Option<f64>,
+    /// The pass and the frame that it was last brought to, and what that took.
+    brought: Option<(usize, usize)>,
+    row: FrameRow,
 }
 
 /// One trace.
@@ -83,25 +82,31 @@ pub(crate) struct Traced {
     pub surfaces: Vec<Surface>,
 }
 
-/// Traces once, into poisoned buffers of its own; these and reading them back are in no time.
+/// Traces so many times (once, but for the control of the clock) into poisoned buffers of its own; these and reading them back are in no
+/// time.
 ///
 /// # Errors
 /// What the tracer says.
-pub(crate) fn trace_once(
+pub(crate) fn trace_sample(
     config: &TracerConfig,
     rays: &RayBuffer,
     trace_to: TraceTo,
     gpu: Option<&Gpu>,
+    repeats: usize,
 ) -> Result<Traced, TracerError> {
     let mut hits = HitBuffer::tracing_to(trace_to, rays.host.len(), config.description.residency, gpu)?;
     hits.poison(gpu)?;
     let mut clock = PhaseClock::new(gpu);
-    config.structure()?.trace(TraceJob { rays, trace_to, parameters: &config.parameters }, &mut hits, &mut clock)?;
+    let structure = config.structure()?;
+    for _ in 0..repeats {
+        structure.trace(TraceJob { rays, trace_to, parameters: &config.parameters }, &mut hits, &mut clock)?;
+    }
     let timing = clock.finish()?;
     Ok(Traced { timing, hits: hits.read(gpu)?, surfaces: hits.read_surfaces(gpu)? })
 }
 
-/// Lets tracers follow: one pass to warm up, in which the first frame alone is traced, then one that counts. A round is a frame. Structures
+/// Lets tracers follow: one pass to warm up, in which the first frame alone is traced, then one that counts. A round is a frame, in which the
+/// first on each clock has two turns: one of its own, and one for the control of the clock, whichever comes first. Structures
 /// are always brought up to date in one way, whatever comes of it; where none is given they are reused where nothing that changed invalidates
 /// them, refitted where the method can while the cost is below [`MAX_SAH_GROWTH`] times that of the last build, else rebuilt.
 ///
@@ -116,18 +121,29 @@ pub(crate) fn follow<W: FrameWork>(
     context: &Context<'_>,
 ) -> Result<Followed, RunError> {
     let gpu = context.device.as_deref().ok();
-    let mut followers =
-        requests.iter().map(|request| Follower::new(request, requests, context)).collect::<Result<Vec<_>, _>>()?;
+    let follower = |request: &TracerRequest| {
+        let (config, out) = context.config_or_refusal(request, requests)?;
+        let row = FrameRow::default();
+        Ok::<_, RunError>(Follower { config, out, is_of: None, built_sah: None, sah: None, brought: None, row })
+    };
+    let mut followers = requests.iter().map(follower).collect::<Result<Vec<_>, _>>()?;
     let (scene, viewpoint) = (film.scene.name.clone(), film.poses[0].name.clone());
     let setting = Setting { scene, viewpoint, resident_batch: 0, kernels: Some(context.kernels()?), turn: 0 };
     let frames = film.times_s.len();
     let seed = setting.order_seed(plan.seed, FRAMES, 0);
     let sides: Vec<_> = followers.iter().map(|follower| follower.config.description.residency).collect();
-    let mut rounds = setting.rounds(seed, followers.len(), &sides, Some(SampleSchedule::rounds(frames as u32)));
+    let able: Vec<_> = (followers.iter().zip(requests).enumerate())
+        .filter(|(_, (follower, _))| follower.out.is_none())
+        .map(|(place, (_, request))| (place, sides[place], request.registration.one_origin()))
+        .collect();
+    let double = |participant| DoubledWork { participant, ..DoubledWork::default() };
+    let mut doubles: Vec<DoubledWork> = firsts(&able).map(double).collect();
+    let turns = followers.len() + doubles.len();
+    let mut rounds = setting.rounds(seed, turns, &sides, Some(SampleSchedule::rounds(frames as u32)));
     let mesh = &film.scene.mesh;
     let (triangles, materials) = (mesh.triangles.clone(), mesh.triangle_materials.clone());
     let mut geometry = Geometry::with_materials(mesh.positions.clone(), triangles, materials, gpu)?;
-    let bar = context.progress.bar(FRAMES, (2 * frames * followers.len()) as u64);
+    let bar = context.progress.bar(FRAMES, (2 * frames * followers.len() + (frames + 1) * doubles.len()) as u64);
     let mut here: Option<(usize, W::Frame)> = None;
     for pass in 0..2 {
         for frame in 0..frames {
@@ -144,15 +160,22 @@ pub(crate) fn follow<W: FrameWork>(
             let order = round.map_or_else(|| (0..followers.len()).collect(), |round| round.order);
             for place in order {
                 bar.inc(1);
-                let follower = &mut followers[place];
+                let double = place.checked_sub(followers.len());
+                let follower = &mut followers[double.map_or(place, |double| doubles[double].participant)];
                 if follower.out.is_some() {
                     continue;
                 }
-                let is_last = counts && frame + 1 == frames;
-                let row = follower.bring(always, (frame, is_last), film, &geometry, plan, gpu);
-                let done = row.map_err(RunError::Device).and_then(|row| match here {
-                    Some(here) => work.turn(here, Turn { follower: place, config: &follower.config, row, counts }),
-                    None => Ok(()),
+                let at = (pass, frame, counts && frame + 1 == frames);
+                let brought = follower.bring(always, at, film, &geometry, plan, gpu).map_err(RunError::Device);
+                let done = brought.and_then(|()| match (here, double) {
+                    (None, _) => Ok(()),
+                    (Some(here), None) => {
+                        work.turn(here, (place, &follower.config, counts), std::mem::take(&mut follower.row))
+                    }
+                    (Some(here), Some(double)) => {
+                        doubles[double].keep(work.twice(here, &follower.config), counts);
+                        Ok(())
+                    }
                 });
                 match done {
                     Ok(()) => {}
@@ -172,27 +195,27 @@ pub(crate) fn follow<W: FrameWork>(
     }
     rounds.next(gpu, || [Vec::new()])?;
     bar.finish_and_clear();
-    let labels = requests.iter().map(|request| super::records::request_record(request).label()).collect();
-    let interleaved_set = setting.record(FRAMES, &rounds, labels);
-    Ok(Followed { refused: followers.into_iter().map(|follower| follower.out).collect(), interleaved_set })
+    let label = |request| super::records::request_record(request).label();
+    let doubled = doubles.iter().map(|double| format!("{} twice", label(&requests[double.participant])));
+    let interleaved_set = setting.record(FRAMES, &rounds, requests.iter().map(label).chain(doubled).collect());
+    Ok(Followed { refused: followers.into_iter().map(|follower| follower.out).collect(), doubles, interleaved_set })
 }
 
 impl Follower {
-    fn new(request: &TracerRequest, all: &[TracerRequest], context: &Context<'_>) -> Result<Self, RunError> {
-        let (config, out) = context.config_or_refusal(request, all)?;
-        Ok(Self { config, out, is_of: None, built_sah: None, sah: None })
-    }
-
-    /// Builds over the first frame, brings the structure to every other; the frame, and whether it is the last that counts.
+    /// Builds over the first frame, brings the structure to every other, once in each of a pass; the pass, the frame, and whether it is the
+    /// last that counts.
     fn bring(
         &mut self,
         always: Option<Update>,
-        (frame, is_last): (usize, bool),
+        (pass, frame, is_last): (usize, usize, bool),
         film: &MovingFrames,
         geometry: &Geometry,
         plan: &Plan,
         gpu: Option<&Gpu>,
-    ) -> Result<FrameRow, TracerError> {
+    ) -> Result<(), TracerError> {
+        if self.brought.replace((pass, frame)) == Some((pass, frame)) {
+            return Ok(());
+        }
         let pose = &film.poses[frame];
         let viewpoint = pose.viewpoint(geometry, plan.preset.frame, plan.preset.face);
         let can_refit = self.config.description.serves(Update::Refit).is_ok();
@@ -216,7 +239,7 @@ impl Follower {
         }
         let stale_by = invalid.into_iter().filter(|_| is_stale).map(|(_, name)| name.to_owned());
         let memory = self.config.structure()?.memory();
-        Ok(FrameRow {
+        self.row = FrameRow {
             update: update.map_or("build", Update::name).to_owned(),
             stale_by: stale_by.collect(),
             update_ms: Some(sample.as_ref().map_or(0.0, |sample| sample.whole.total_ms)),
@@ -225,7 +248,8 @@ impl Follower {
             structure_bytes: memory.structure_bytes(),
             build_peak_bytes: memory.build_peak_bytes,
             ..FrameRow::default()
-        })
+        };
+        Ok(())
     }
 
     /// What has changed since the structure was brought to its scene and eye, and invalidates it.

@@ -25,7 +25,8 @@ mod workload;
 use tracebench_api::TracerError;
 use tracebench_scenes::SceneError;
 
-pub(crate) use frames::{FrameWork, MovingFrames, Traced, Turn, follow, trace_once};
+pub(crate) use doubled_work::{DoubledWork, invalid_reason};
+pub(crate) use frames::{Followed, FrameWork, MovingFrames, Traced, follow, trace_sample};
 pub use journal::{Journal, JournalError};
 pub use resident_batch::MAX_RESIDENT;
 pub(crate) use resident_batch::measure;

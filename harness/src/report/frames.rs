@@ -145,6 +145,9 @@ fn of_work(record: &Record, section: &FramesRecord, scene: usize, work: &str) ->
     let tracers: Vec<Shown<'_>> = all.iter().copied().filter(|shown| !shown.series.is_control()).collect();
     let page =
         Document::default().headed(3, heading, Of { scene: None, rays: Some(work.to_owned()) }).table(overall(&all));
+    let invalid = all.iter().find_map(|shown| shown.series.invalid.as_ref());
+    let invalid = invalid.map(|why| format!("**Traces have no times**: their clock failed its control, as {why}."));
+    let page = page.paragraphs(floors(&all).into_iter().chain(invalid));
     let page =
         if section.effects { page } else { page.below("Structures and answers of the last frame:", last(&tracers)) };
     if section.frames < 2 {
@@ -288,14 +291,24 @@ fn overall(all: &[Shown<'_>]) -> Table {
 fn beyond(shown: &Shown<'_>, floor: Option<Shown<'_>>) -> Cell {
     let Some(most) = shown.images().map(|image| image.beyond).max() else { return Cell::None };
     let is_exact = registry::find(&shown.series.tracer.name).is_some_and(|registration| registration.is_analytic());
-    let [width, height] = shown.section.size;
-    let allowed = |floor: &ImageRow| 2.0 * floor.beyond as f64 + 2e-4 * f64::from(width) * f64::from(height);
     let pairs = floor.iter().flat_map(|floor| shown.images().zip(floor.images()));
-    let beyond = pairs.filter(|(image, floor)| is_exact && image.beyond as f64 > allowed(floor));
+    let beyond = pairs.filter(|(image, floor)| is_exact && image.is_beyond(floor, shown.section.size));
     let waves: BTreeSet<&String> = beyond.flat_map(|(image, _)| image.beyond_by_wave.keys()).collect();
     let count = format::thousands(most);
     let marked = || format!("{count}, **beyond rounding**: {}", waves.iter().join(", "));
     if waves.is_empty() { count.as_str().into() } else { marked().into() }
+}
+
+/// Whose images are as near to the truth as rounding lets them be, of exact tracers in records that tell.
+fn floors(all: &[Shown<'_>]) -> Option<String> {
+    let [near, beyond] = [true, false].map(|holds| {
+        let of = all.iter().filter(|shown| shown.series.floor_holds == Some(holds));
+        of.map(|shown| shown.series.tracer.label()).join(", ")
+    });
+    let floor = format!("at most twice the pixels beyond 1/255 of {ROUNDED_ORACLE}, and 0.02 % of all, in every frame");
+    let beyond = (!beyond.is_empty()).then(|| format!("**Exact tracers without {floor}**: {beyond}."));
+    let near = (!near.is_empty()).then(|| format!("Exact tracers with {floor}: {near}."));
+    [beyond, near].into_iter().flatten().reduce(|beyond, near| format!("{beyond} {near}"))
 }
 
 /// How often a structure was brought up to date in which way, and by what it was stale.

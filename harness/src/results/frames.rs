@@ -40,7 +40,7 @@ records! {
         pub effects: bool,
         /// The scenes.
         pub scenes: Vec<MovingScene>,
-        /// A tracer or a control in a scene, in the order of the plan; controls first.
+        /// A tracer or a control in a scene with an effect, or with all ray sets, in the order of the plan; controls first.
         pub rows: Vec<FrameSeries>,
     }
 
@@ -88,6 +88,11 @@ records! {
         pub interleaved_set: Option<u32> = default,
         /// The clock of its traces.
         pub clock: Option<ClockKind> = default,
+        /// Why its traces have no times, where their clock has failed its control.
+        pub invalid: Option<String> = default,
+        /// Of an exact tracer's images: whether none differs from the truth by more than rounding does ([`ImageRow::is_beyond`]), frames with stale
+        /// structures aside.
+        pub floor_holds: Option<bool> = default,
         /// By frame.
         pub frames: Vec<FrameRow>,
         /// By effect its pictures.
@@ -195,7 +200,26 @@ impl FrameRow {
     }
 }
 
+impl ImageRow {
+    /// Whether more pixels are beyond 1/255 than rounding explains: than twice those of [`ROUNDED_ORACLE`] in the same frame, and 0.02 % of all.
+    pub fn is_beyond(&self, rounded: &Self, [width, height]: [u32; 2]) -> bool {
+        self.beyond as f64 > 2.0 * rounded.beyond as f64 + 2e-4 * f64::from(width) * f64::from(height)
+    }
+}
+
 impl FramesRecord {
+    /// Which exact tracers differ from the truth by more than rounding does, if some do: `frames` fails with it.
+    pub fn fault(&self) -> Option<String> {
+        let told = |row: &FrameSeries| {
+            let work = row.frames.iter().find_map(|row| row.works.keys().next()).map_or("", String::as_str);
+            format!("{} with {work} in {}", row.tracer.label(), self.scenes[row.scene as usize].scene.name)
+        };
+        let beyond = self.rows.iter().filter(|row| row.floor_holds == Some(false)).map(told);
+        let beyond = beyond.collect::<Vec<_>>().join("; ");
+        let what = "images of exact tracers differ from the truth by more than rounding explains";
+        (!beyond.is_empty()).then(|| format!("{what}: {beyond}"))
+    }
+
     /// The files of its pictures, each once.
     pub fn picture_files(&self) -> BTreeSet<&str> {
         let of_scenes = self.scenes.iter().flat_map(|scene| scene.pictures.values());

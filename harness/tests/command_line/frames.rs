@@ -1,8 +1,13 @@
 //! What `frames` leaves.
 
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
 use data_encoding::BASE64;
 use sha2::{Digest as _, Sha256};
 
+use super::resume::interleaved_sets;
 use super::*;
 
 /// A glTF file of a square that bends about a joint and bulges by a morph target, seen by a camera that moves; all for two seconds.
@@ -79,16 +84,17 @@ fn a_skinned_and_morphed_file_is_rendered() {
     assert_eq!(hashes.len(), 3);
     assert_eq!(scene["viewpoints"][2]["eye"][0].as_f64().unwrap() as f32, 1.4);
     let rows = found["frames"]["rows"].as_array().unwrap();
-    let bvh = rows.iter().find(|row| row["tracer"]["name"] == "bvh-cpu").unwrap();
-    for frame in bvh["frames"].as_array().unwrap() {
-        for work in ["primary", "normals"] {
+    let bvh: Vec<&Value> = rows.iter().filter(|row| row["tracer"]["name"] == "bvh-cpu").collect();
+    assert_eq!(bvh.len(), 2);
+    for (row, work) in bvh.iter().zip(["primary", "normals"]) {
+        assert_eq!(row["floor_holds"], true, "{work}");
+        for frame in row["frames"].as_array().unwrap() {
             let [work, image] = [&frame["works"][work], &frame["works"][work]["image"]];
             assert!(work["waves"][0]["trace_ms"].as_f64().unwrap() > 0.0 && work["waves"][0]["rays"] == 24 * 16 * 2);
             assert!(image["ssim"].as_f64().unwrap() > 0.9, "{image}");
         }
     }
-    let named: BTreeSet<String> = [&scene["pictures"], &bvh["pictures"]]
-        .into_iter()
+    let named: BTreeSet<String> = (bvh.iter().map(|row| &row["pictures"]).chain([&scene["pictures"]]))
         .flat_map(|pictures| pictures.as_object().unwrap().values())
         .flat_map(|of| [&of["sheet"], &of["animation"]].map(|name| name.as_str().unwrap().to_owned()))
         .collect();
@@ -145,6 +151,54 @@ fn frames_are_those_of_runs() {
         let hits = |frame: usize| &series["frames"][frame]["works"]["diffuse"]["waves"][0]["answers"]["hits_sha256"];
         assert!(hits(0) != hits(1) && hits(1) != hits(2));
     }
+}
+
+/// A record's value without times.
+fn untimed(value: &Value) -> Value {
+    match value {
+        Value::Object(fields) => {
+            let kept = fields.iter().filter(|(name, _)| !["trace_ms", "update_ms"].contains(&name.as_str()));
+            kept.map(|(name, value)| (name.clone(), untimed(value))).collect()
+        }
+        Value::Array(all) => all.iter().map(untimed).collect(),
+        other => other.clone(),
+    }
+}
+
+/// Proves that frames which are killed three times and gone on with have what those have that ran through, but for times, pictures too; and
+/// that each effect of a scene that has ended stays as it was.
+#[test]
+fn effects_that_ended_survive_being_killed() {
+    let bench = Bench::new();
+    let words = ["--scene", "cloth,room", "--tracer", "bvh-cpu", "--effect", "depth,normals,primary", "--frames", "3"];
+    let call = |more: &[&'static str]| [&SMALL[..], &words, more].concat();
+    assert_eq!(bench.call(&call(&["--out", "through"])).status, 0);
+    let out = bench.path("out");
+    let mut asked = vec!["--out", "out"];
+    for wanted in 1..=3 {
+        let before = interleaved_sets(&out);
+        let mut child = bench.command(&call(&asked)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while interleaved_sets(&out).len() <= before.len() && child.try_wait().unwrap().is_none() {
+            sleep(Duration::from_millis(2));
+        }
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed for the {wanted}th time");
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let after = interleaved_sets(&out);
+        assert!(before.iter().all(|(name, contents)| after.get(name) == Some(contents)), "{wanted}");
+        asked = vec!["--out", "out", "--resume"];
+    }
+    let kept: Vec<String> = interleaved_sets(&out).into_keys().collect();
+    assert!(kept.len() >= 3 && kept[..2] == ["000-frames-depth.json", "000-frames-normals.json"], "{kept:?}");
+    let outcome = bench.call(&call(&asked));
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let [through, found] = ["through", "out"].map(|folder| untimed(&bench.result(folder)["frames"]));
+    assert!(found == through && found["rows"].as_array().unwrap().len() > 12);
+    assert_eq!(names(&bench.path("out/pictures")), names(&bench.path("through/pictures")));
+    // The comparison can fail.
+    let mut other = found.clone();
+    other["rows"][0]["frames"][1]["turned"] = json!([0, 9]);
+    assert_ne!(other, through);
 }
 
 /// Proves that shards of scenes are joined, with their places; that a complete record is left as it is; and that a scene which does not

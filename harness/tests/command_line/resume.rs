@@ -55,7 +55,7 @@ fn content(run: &Value) -> BTreeMap<String, String> {
 
 /// The interleaved sets that have ended in a folder, with their contents.
 pub(super) fn interleaved_sets(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let is_race = |name: &String| name.contains("-rays-") || name.contains("-builds");
+    let is_race = |name: &String| ["-rays-", "-builds", "-frames-"].iter().any(|part| name.contains(part));
     let folder = folder.join("interleaved_sets");
     names(&folder)
         .into_iter()

@@ -166,5 +166,5 @@ impl Search<'_> {
 
 /// What a structure answers.
 pub(super) fn answers(session: &Session, config: &TracerConfig, rays: &PreparedRays) -> Result<Vec<Hit>, TracerError> {
-    measure::trace_once(config, &rays.buffer, session.trace_to, session.gpu()).map(|traced| traced.hits)
+    measure::trace_sample(config, &rays.buffer, session.trace_to, session.gpu(), 1).map(|traced| traced.hits)
 }

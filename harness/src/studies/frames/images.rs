@@ -1,6 +1,7 @@
 //! Effects: images of a frame, wave by wave, beside the one that the truth gives by the same random numbers.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -35,9 +36,9 @@ pub(super) struct Studio<'a> {
 }
 
 /// A wave of the truth's.
-struct TrueWave {
-    wave: Wave,
-    buffer: RayBuffer,
+pub(super) struct TrueWave {
+    pub wave: Wave,
+    pub buffer: RayBuffer,
     /// With ambiguity, where all are judged by it.
     answers: Vec<Answer>,
     /// The paths behind it, where others go on with these.
@@ -48,7 +49,7 @@ struct TrueWave {
 pub(super) struct Reference {
     effect: Effect,
     pub exposure: Exposure,
-    waves: Vec<TrueWave>,
+    pub waves: Vec<TrueWave>,
     paths: Paths,
     pub image: Image8,
 }
@@ -136,7 +137,8 @@ impl Studio<'_> {
                 Answering::Tracer(config) => {
                     let own = || RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu);
                     let buffer = shared.map_or_else(own, |known| known.buffer.clone());
-                    let Traced { timing, hits, surfaces } = measure::trace_once(config, &buffer, wave.end, self.gpu)?;
+                    let Traced { timing, hits, surfaces } =
+                        measure::trace_sample(config, &buffer, wave.end, self.gpu, 1)?;
                     (shading(&wave, &hits, &surfaces, name)?, hits, Some(timing))
                 }
                 Answering::Control(_) | Answering::Rounded => {
@@ -221,14 +223,14 @@ fn shading(wave: &Wave, hits: &[Hit], surfaces: &[Surface], name: &str) -> Resul
     answers.ok_or_else(|| RunError::Picture(format!("{name} has not one answer for each ray of wave {}", wave.name())))
 }
 
-/// Writes the frames of an image into the folder of results, if there is one: a sheet with the pictures of errors, and a moving one.
+/// Writes the frames of an effect into the folder of results, if there is one: a sheet with the pictures of errors, and a moving one.
 pub(super) fn keep(
-    images: &[Image8],
-    errors: &[Image8],
+    effect: &str,
+    [images, errors]: [&[Image8]; 2],
     fps: f64,
     context: &Context<'_>,
-) -> Result<Option<FramePictures>, RunError> {
-    let Some(folder) = context.journal.results().filter(|_| !images.is_empty()) else { return Ok(None) };
+) -> Result<BTreeMap<String, FramePictures>, RunError> {
+    let Some(folder) = context.journal.results().filter(|_| !images.is_empty()) else { return Ok(BTreeMap::new()) };
     let mut rows = Vec::new();
     for start in (0..images.len()).step_by(SHEET_COLUMNS) {
         let part = |all: &[Image8]| all.iter().skip(start).take(SHEET_COLUMNS).cloned().collect::<Vec<_>>();
@@ -239,5 +241,5 @@ pub(super) fn keep(
     let moving = animation(images, fps).map_err(failed)?;
     let columns = images.len().min(SHEET_COLUMNS) as u32;
     let (sheet, animation) = (keep_picture(&sheet, folder)?, keep_picture(&moving, folder)?);
-    Ok(Some(FramePictures { sheet, columns, animation }))
+    Ok([(effect.to_owned(), FramePictures { sheet, columns, animation })].into())
 }

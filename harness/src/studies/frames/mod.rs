@@ -9,12 +9,14 @@ mod watch;
 use std::collections::BTreeSet;
 
 use clap::ValueEnum;
+use itertools::Itertools as _;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use tracebench_api::{Query, Update};
+use serde_json::Value;
+use tracebench_api::{Preset, Query, Update};
 
 use crate::measure::{self, Context, MovingFrames, RunError, records};
 use crate::plan::{Plan, TracerRequest};
+use crate::registry::Family;
 use crate::render::Effect;
 use crate::results::{FrameSeries, FramesRecord, InterleavedSetRecord, MovingScene, Record, Skipped};
 use tracebench_scenes::Scene;
@@ -24,7 +26,8 @@ use watch::Watch;
 pub const MAX_FRAMES: u32 = 240;
 
 /// What moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Moves {
     /// The scene alone, seen from where it is seen at first.
     Geometry,
@@ -35,7 +38,8 @@ pub enum Moves {
 }
 
 /// How structures are brought up to date.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Updates {
     /// Reused where nothing that changed invalidates them, refitted where the method can while the SAH cost is below 1.5 times that of the last
     /// build, else rebuilt.
@@ -49,7 +53,8 @@ pub enum Updates {
 }
 
 /// Whose hits paths go on from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum PathsOf {
     /// The tracer's own.
     Own,
@@ -58,7 +63,8 @@ pub enum PathsOf {
 }
 
 /// What is asked for beside a plan, whose ray sets are traced in place of effects where there are none of these.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FramesRequest {
     /// What is rendered.
     pub effects: Vec<Effect>,
@@ -69,6 +75,7 @@ pub struct FramesRequest {
     /// Samples a pixel.
     pub spp: u32,
     /// What moves.
+    #[serde(rename = "move")]
     pub moves: Moves,
     /// How structures follow.
     pub update: Updates,
@@ -88,10 +95,18 @@ fn word(choice: impl ValueEnum) -> String {
 impl FramesRequest {
     /// As the journal keeps it.
     pub fn describe(&self) -> Value {
-        let Self { frames, fps, spp, cut, fixed_rays, .. } = self;
-        let effects: Vec<&str> = self.effects.iter().map(|effect| effect.name()).collect();
-        json!({ "effects": effects, "frames": frames, "fps": fps, "spp": spp, "move": word(self.moves), "update": word(self.update),
-                "paths": word(self.paths), "cut": cut, "fixed_rays": fixed_rays })
+        serde_json::to_value(self).unwrap_or_default()
+    }
+
+    /// What is measured and kept as one, since every frame follows from the one before: each effect, or all ray sets.
+    fn parts(&self) -> Vec<Self> {
+        let of = |effect: &Effect| Self { effects: vec![*effect], ..self.clone() };
+        if self.effects.is_empty() { vec![self.clone()] } else { self.effects.iter().map(of).collect() }
+    }
+
+    /// Of a part the effect, if it is of one.
+    fn effect(&self) -> Option<Effect> {
+        self.effects.first().copied()
     }
 
     /// How structures are always brought up to date, if it is always in one way.
@@ -158,7 +173,15 @@ impl FramesRequest {
     }
 }
 
-/// A scene, measured.
+/// Whether an image may differ from the truth's by rounding alone: that of a hierarchy, however it is set, and of another method with analytic
+/// hits in its improved form.
+fn is_exact(request: &TracerRequest) -> bool {
+    let TracerRequest { registration, preset, changed, .. } = request;
+    let improved = *preset == Preset::Improved && changed.is_empty();
+    registration.is_analytic() && (registration.family == Family::Bvh || improved)
+}
+
+/// A part, measured in a scene.
 #[derive(Serialize, Deserialize)]
 struct SceneMeasured {
     scene: MovingScene,
@@ -170,7 +193,7 @@ struct SceneMeasured {
 /// Measures every scene of a plan.
 ///
 /// # Errors
-/// [`RunError`] as its variants say; scenes that ended are kept.
+/// [`RunError`] as its variants say; what has ended of scenes is kept.
 pub fn execute(plan: &Plan, request: &FramesRequest, context: &Context<'_>) -> Result<Record, RunError> {
     let mut record = measure::begin(std::slice::from_ref(plan), context);
     let mut section = request.section(plan);
@@ -178,28 +201,38 @@ pub fn execute(plan: &Plan, request: &FramesRequest, context: &Context<'_>) -> R
         if !context.takes(index) {
             continue;
         }
-        let name = scene.name.clone();
-        let measured =
-            match context.kept(&format!("{index:03}-frames"), || scene_measured(plan, request, scene, context)) {
+        let place = section.scenes.len();
+        for part in request.parts() {
+            let kept = format!("{index:03}-frames-{}", part.effect().map_or("rays", Effect::name));
+            let measured = match context.kept(&kept, || scene_measured(plan, &part, scene.clone(), context)) {
                 Err(error @ RunError::NoOtherView(..)) => Err(format!("it has no camera path, and {error}")),
                 Err(RunError::Nothing(reason)) => Err(reason),
                 measured => Ok(measured?),
             };
-        match measured {
-            Ok(measured) => add(&mut record, &mut section, measured),
-            Err(reason) => record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason }),
+            match measured {
+                Ok(measured) => add(&mut record, &mut section, place, measured),
+                Err(reason) => {
+                    record.skipped.push(Skipped { tracer: None, scene: scene.name.clone(), rays: None, reason });
+                }
+            }
         }
     }
+    // What is said of a scene is said in each of its parts.
+    record.skipped = std::mem::take(&mut record.skipped).into_iter().unique().collect();
     let is_empty = section.rows.iter().all(FrameSeries::is_control);
     record.frames = Some(section);
     if is_empty && context.shard.is_none() { Err(measure::nothing(&record)) } else { Ok(record) }
 }
 
-fn add(record: &mut Record, section: &mut FramesRecord, measured: SceneMeasured) {
-    let (scene, set) = (section.scenes.len() as u32, record.interleaved_sets.len() as u32);
+/// Adds a part of the scene of a place.
+fn add(record: &mut Record, section: &mut FramesRecord, place: usize, measured: SceneMeasured) {
+    let (scene, set) = (place as u32, record.interleaved_sets.len() as u32);
     record.interleaved_sets.extend(measured.interleaved_set);
     record.skipped.extend(measured.skipped);
-    section.scenes.push(measured.scene);
+    match section.scenes.get_mut(place) {
+        Some(known) => known.pictures.extend(measured.scene.pictures),
+        None => section.scenes.push(measured.scene),
+    }
     let placed = |row: FrameSeries| FrameSeries { scene, interleaved_set: row.interleaved_set.map(|_| set), ..row };
     section.rows.extend(measured.rows.into_iter().map(placed));
 }
@@ -237,11 +270,12 @@ fn scene_measured(
     let followers = watch.tracers.clone();
     let followed = measure::follow(&mut film, &followers, request.always(), plan, &mut watch, context)?;
     let (labels, scene) = (followers.iter().map(|request| records::request_record(request).label()), film.scene.name);
-    for (tracer, refusal) in labels.zip(followed.refused) {
+    for (tracer, refusal) in labels.zip(&followed.refused) {
         let (tracer, scene) = (Some(tracer), scene.clone());
-        watch.skipped.extend(refusal.map(|of| Skipped { tracer, scene, rays: None, reason: of.reason }));
+        let skipped = |reason: String| Skipped { tracer, scene, rays: None, reason };
+        watch.skipped.extend(refusal.as_ref().map(|of| skipped(of.reason.clone())));
     }
-    watch.finish(followed.interleaved_set)
+    watch.finish(followed)
 }
 
 #[cfg(test)]

@@ -7,18 +7,20 @@ use tracebench_api::{Geometry, Hit, Query, Timing, TraceTo, TracerError, Viewpoi
 
 use super::images::{self, Answering, Reference, Rendered, Studio};
 use super::points::Points;
-use super::{FramesRequest, SceneMeasured};
+use super::{FramesRequest, SceneMeasured, is_exact};
 use crate::judge::{Judge, Rule};
 use crate::machine;
 use crate::measure::controls::{Control, checked};
 use crate::measure::session::{PreparedRays, Session, SessionError, no_answers};
-use crate::measure::{self, Context, FrameWork, MovingFrames, RunError, Traced, Turn, records};
+use crate::measure::{
+    self, Context, DoubledWork, Followed, FrameWork, MovingFrames, RunError, Traced, TracerConfig, records,
+};
 use crate::plan::{Plan, TracerRequest};
 use crate::rays::{RayParameters, RayScene, RaySet};
-use crate::render::{Exposure, Image8, Stage, image_flicker, motion};
+use crate::render::{Effect, Exposure, Image8, Stage, image_flicker, motion};
 use crate::results::{
-    AnswersRow, FrameRow, FrameSeries, InterleavedSetRecord, MovingScene, ROUNDED_ORACLE, Skipped, TracerRecord,
-    WaveRow, WorkRow,
+    AnswersRow, FrameRow, FrameSeries, ImageRow, InterleavedSetRecord, MovingScene, ROUNDED_ORACLE, Skipped,
+    TracerRecord, WaveRow, WorkRow,
 };
 use crate::truth::Truth;
 
@@ -67,8 +69,8 @@ pub(super) struct Here {
     session: Session,
     /// Places of the points that are seen, with their rays.
     points: (Vec<usize>, PreparedRays),
-    /// By effect.
-    references: Vec<Reference>,
+    /// Of the effect, if one is rendered.
+    reference: Option<Reference>,
     /// From the last frame; none at a cut.
     motion: Option<Vec<Option<u32>>>,
 }
@@ -93,9 +95,9 @@ struct Series {
     timings: Vec<(usize, String, usize, Timing)>,
     /// Works that it does not serve.
     unserved: Vec<String>,
-    /// By effect the errors of the last frame, and the images with the pictures of their errors.
-    errors: BTreeMap<String, Vec<[f32; 3]>>,
-    images: BTreeMap<String, [Vec<Image8>; 2]>,
+    /// Of an effect the errors of the last frame, and the images with the pictures of their errors.
+    errors: Option<Vec<[f32; 3]>>,
+    images: [Vec<Image8>; 2],
 }
 
 impl Series {
@@ -125,32 +127,33 @@ impl Series {
             self.timings.extend(timing.map(|timing| (frame, effect.to_owned(), place, timing)));
         }
         let image = image.map(|(mut row, image, error, errors)| {
-            let before = self.errors.get(effect);
-            row.flicker = before.zip(motion).and_then(|(before, motion)| image_flicker(before, &errors, motion));
-            self.errors.insert(effect.to_owned(), errors);
-            let kept = self.images.entry(effect.to_owned()).or_default();
-            kept[0].push(image);
-            kept[1].push(error);
+            let before = self.errors.as_ref().zip(motion);
+            row.flicker = before.and_then(|(before, motion)| image_flicker(before, &errors, motion));
+            self.errors = Some(errors);
+            self.images[0].push(image);
+            self.images[1].push(error);
             row
         });
         WorkRow { waves: rows, image }
     }
 }
 
-/// What is traced in every frame.
+/// What is traced in every frame: of an effect, if the request has one, else of ray sets.
 pub(super) struct Watch<'a> {
     plan: &'a Plan,
     request: &'a FramesRequest,
     context: &'a Context<'a>,
     scene: MovingScene,
+    /// The effect, or the first ray set: the first of it is what the control of the clock does twice.
+    first: &'static str,
     /// Those that can follow as it is asked.
     pub(super) tracers: Vec<TracerRequest>,
     points: Points,
-    /// By effect; those of the first frame.
-    exposures: Vec<Exposure>,
+    /// That of the first frame.
+    exposure: Option<Exposure>,
     stage: Option<Arc<Stage>>,
-    /// By effect the truth's images.
-    truths: BTreeMap<String, Vec<Image8>>,
+    /// The truth's images.
+    truths: Vec<Image8>,
     controls: Vec<Answering<'static>>,
     /// The rays of the first frame, where all frames have these.
     fixed: Vec<PreparedRays>,
@@ -184,43 +187,33 @@ impl<'a> Watch<'a> {
         let points = Points::new(&ends.each_ref().map(|(truth, viewpoint)| (truth, viewpoint)), plan.seed);
         let mut skipped = Vec::new();
         let mut tracers = Vec::new();
-        let mut unserved: Vec<Vec<String>> = Vec::new();
         for tracer in &plan.tracers {
-            let label = records::request_record(tracer).label();
-            let skip = |rays: Option<&str>, reason| Skipped {
-                tracer: Some(label.clone()),
-                scene: film.scene.name.clone(),
-                rays: rays.map(str::to_owned),
-                reason,
-            };
-            if let Some(reason) = request.unserved(tracer, None) {
-                skipped.push(skip(None, reason));
-                continue;
+            let cannot = |effect: Option<Effect>| Some((effect, request.unserved(tracer, effect)?));
+            match cannot(None).or_else(|| cannot(Some(request.effect()?))) {
+                None => tracers.push(tracer.clone()),
+                Some((effect, reason)) => skipped.push(Skipped {
+                    tracer: Some(records::request_record(tracer).label()),
+                    scene: film.scene.name.clone(),
+                    rays: effect.map(|effect| effect.name().to_owned()),
+                    reason,
+                }),
             }
-            tracers.push(tracer.clone());
-            let mut own = Vec::new();
-            for effect in &request.effects {
-                if let Some(reason) = request.unserved(tracer, Some(*effect)) {
-                    skipped.push(skip(Some(effect.name()), reason));
-                    own.push(effect.name().to_owned());
-                }
-            }
-            unserved.push(own);
         }
-        let rounded = (!request.effects.is_empty()).then_some(Answering::Rounded);
+        let rounded = request.effect().map(|_| Answering::Rounded);
         let controls: Vec<Answering<'_>> = Control::ALL.into_iter().map(Answering::Control).chain(rounded).collect();
-        let of_controls = controls.iter().map(|_| Vec::new());
-        let series = of_controls.chain(unserved).map(|unserved| Series { unserved, ..Series::default() }).collect();
+        let series = (0..controls.len() + tracers.len()).map(|_| Series::default()).collect();
+        let set = plan.ray_sets.first().map_or("", |set| set.name);
         Ok(Self {
             plan,
             request,
             context,
             scene: MovingScene { path, points: points.len() as u64, ..MovingScene::default() },
             points,
+            first: request.effect().map_or(set, Effect::name),
             fixed: Vec::new(),
-            exposures: Vec::new(),
+            exposure: None,
             stage: None,
-            truths: BTreeMap::new(),
+            truths: Vec::new(),
             controls,
             series,
             tracers,
@@ -262,7 +255,7 @@ impl FrameWork for Watch<'_> {
         // Points are judged from the first eye, whoever sees them now.
         let (set, first_eye) = (RaySet::given("points", Query::Closest), Some(film.poses[0].eye.as_dvec3()));
         let points = (places, PreparedRays::new(set, (rays, answers), first_eye, gpu.as_deref()));
-        let is_rendered = !self.request.effects.is_empty();
+        let is_rendered = self.request.effect().is_some();
         let has_own = !is_rendered && (number == 0 || !self.request.fixed_rays);
         let moved = before.filter(|_| is_rendered && self.request.cut != Some(number as u32));
         let motion = moved.map(|Here { session: before, .. }| {
@@ -294,28 +287,34 @@ impl FrameWork for Watch<'_> {
         if self.request.fixed_rays && number == 0 {
             self.fixed = std::mem::take(&mut session.rays);
         }
-        let mut references = Vec::new();
-        if is_rendered {
+        let mut reference = None;
+        if let Some(effect) = self.request.effect() {
             let materials = &scene.mesh.materials;
             let stage = self.stage.get_or_insert_with(|| Arc::new(Stage::new(materials, geometry)));
             self.scene.notes = stage.notes.clone();
-            let studio = studio(plan, self.request, stage, &session);
-            for (place, effect) in self.request.effects.iter().enumerate() {
-                let reference = studio.reference(*effect, self.exposures.get(place).copied(), context)?;
-                if place == self.exposures.len() {
-                    self.exposures.push(reference.exposure);
-                }
-                self.truths.entry(effect.name().to_owned()).or_default().push(reference.image.clone());
-                references.push(reference);
-            }
+            let found = studio(plan, self.request, stage, &session).reference(effect, self.exposure, context)?;
+            self.exposure = Some(found.exposure);
+            self.truths.push(found.image.clone());
+            reference = Some(found);
         }
-        Ok(Here { number, session, points, references, motion })
+        Ok(Here { number, session, points, reference, motion })
     }
 
-    fn turn(&mut self, here: &Here, turn: Turn<'_>) -> Result<(), RunError> {
-        let name = records::request_record(&self.tracers[turn.follower]).label();
-        let who = (self.controls.len() + turn.follower, name.as_str());
-        self.answered(here, who, &Answering::Tracer(turn.config), turn.row, turn.counts)
+    fn turn(&mut self, here: &Here, of: (usize, &TracerConfig, bool), row: FrameRow) -> Result<(), RunError> {
+        let (place, config, counts) = of;
+        let name = records::request_record(&self.tracers[place]).label();
+        self.answered(here, (self.controls.len() + place, &name), &Answering::Tracer(config), row, counts)
+    }
+
+    fn twice(&mut self, here: &Here, config: &TracerConfig) -> Result<Timing, TracerError> {
+        let waves = here.reference.iter().flat_map(|reference| &reference.waves);
+        let sets = if self.request.fixed_rays { &self.fixed } else { &here.session.rays };
+        let sets = sets.iter().filter(|rays| rays.set.name == self.first);
+        let of_sets = sets.map(|rays| (&rays.buffer, self.plan.trace_to));
+        let first = waves.map(|wave| (&wave.buffer, wave.wave.end)).chain(of_sets).next();
+        let none = || TracerError::Unsupported(format!("frame {} has no {} rays", here.number, self.first));
+        let (rays, end) = first.ok_or_else(none)?;
+        measure::trace_sample(config, rays, end, here.session.gpu(), 2).map(|traced| traced.timing)
     }
 
     /// The controls in a frame.
@@ -366,6 +365,11 @@ impl Told {
     }
 }
 
+/// The image of a frame.
+fn image(row: &FrameRow) -> Option<&ImageRow> {
+    row.works.values().next()?.image.as_ref()
+}
+
 impl Watch<'_> {
     /// Lets one answer all that is asked in a frame, judges it, and keeps it where it counts.
     fn answered(
@@ -386,7 +390,7 @@ impl Watch<'_> {
             let (work, judge) = (rays.set.name, here.session.judge_of(rays, &[]));
             let (hits, counters) = match answering {
                 Answering::Tracer(config) if !series.unserved.iter().any(|unserved| unserved == work) => {
-                    let traced = measure::trace_once(config, &rays.buffer, plan.trace_to, gpu);
+                    let traced = measure::trace_sample(config, &rays.buffer, plan.trace_to, gpu, 1);
                     let traced = series.served(work, traced.map_err(RunError::from), &mut skip)?;
                     let Some(Traced { timing, hits, surfaces }) = traced.filter(|_| counts) else { continue };
                     let counters = here.session.count(config, rays, &hits, &surfaces)?;
@@ -403,19 +407,17 @@ impl Watch<'_> {
             wave.answers = Some(AnswersRow { rays_sha256, hits_sha256, counters, turned });
             row.works.insert(work.to_owned(), WorkRow { waves: vec![wave], image: None });
         }
-        for (effect, reference) in request.effects.iter().zip(&here.references) {
+        let rendered = here.reference.as_ref().zip(stage.as_ref()).filter(|_| series.unserved.is_empty());
+        if let Some((effect, (reference, stage))) = request.effect().zip(rendered) {
             let work = effect.name();
-            let Some(stage) = stage.as_ref().filter(|_| !series.unserved.iter().any(|unserved| unserved == work))
-            else {
-                continue;
-            };
             let rendered = studio(plan, request, stage, &here.session).rendered(reference, answering, name, counts);
-            let Some(rendered) = series.served(work, rendered, &mut skip)?.filter(|_| counts) else { continue };
-            let rendered = series.rendered(here.number, work, rendered, here.motion.as_deref());
-            if matches!(answering, Answering::Control(Control::Oracle)) && !is_perfect(&rendered) {
-                return Err(RunError::Control(format!("the oracle's image of {work} is not the truth's")));
+            if let Some(rendered) = series.served(work, rendered, &mut skip)?.filter(|_| counts) {
+                let rendered = series.rendered(here.number, work, rendered, here.motion.as_deref());
+                if matches!(answering, Answering::Control(Control::Oracle)) && !is_perfect(&rendered) {
+                    return Err(RunError::Control(format!("the oracle's image of {work} is not the truth's")));
+                }
+                row.works.insert(work.to_owned(), rendered);
             }
-            row.works.insert(work.to_owned(), rendered);
         }
         if !counts {
             return Ok(());
@@ -423,7 +425,7 @@ impl Watch<'_> {
         let (places, seen) = &here.points;
         let judge = here.session.judge_of(seen, &[]);
         let hits = match answering {
-            Answering::Tracer(config) => match measure::trace_once(config, &seen.buffer, TraceTo::Hit, gpu) {
+            Answering::Tracer(config) => match measure::trace_sample(config, &seen.buffer, TraceTo::Hit, gpu, 1) {
                 // Methods that refuse these rays have no flicker of answers.
                 Err(TracerError::Unsupported(_)) => None,
                 traced => Some(traced?.hits),
@@ -439,19 +441,33 @@ impl Watch<'_> {
         Ok(())
     }
 
-    /// What was measured of the scene.
-    pub(super) fn finish(mut self, interleaved_set: Option<InterleavedSetRecord>) -> Result<SceneMeasured, RunError> {
+    /// What was measured of the scene. Where the control of a clock fails, no trace has a time.
+    pub(super) fn finish(mut self, followed: Followed) -> Result<SceneMeasured, RunError> {
         let timings = |series: &Series| series.timings.iter().map(|(.., timing)| timing.clone()).collect::<Vec<_>>();
-        let all: Vec<Vec<Timing>> = self.series.iter().map(timings).collect();
+        let of_doubles = followed.doubles.iter().map(|double| double.timings.clone());
+        let all: Vec<Vec<Timing>> = self.series.iter().map(timings).chain(of_doubles).collect();
         let believed = records::are_believed(all.iter().map(Vec::as_slice));
+        let (first, size) = (self.first, self.plan.preset.ray_image);
+        let doubled = |double: &DoubledWork| {
+            let all = self.series[self.controls.len() + double.participant].timings.iter();
+            let once = all.filter(|(_, work, wave, _)| work == first && *wave == 0);
+            let once: Vec<Timing> = once.map(|(.., timing)| timing.clone()).collect();
+            double.record(records::request_record(&self.tracers[double.participant]).label(), &once, believed)
+        };
+        let doubled_work: Vec<_> = followed.doubles.iter().map(doubled).collect();
+        let invalid = measure::invalid_reason(&doubled_work);
+        let interleaved_set = followed.interleaved_set.map(|set| InterleavedSetRecord { doubled_work, ..set });
+        let rounded = self.controls.iter().position(|control| matches!(control, Answering::Rounded));
+        let floor: Vec<FrameRow> = rounded.map_or_else(Vec::new, |place| self.series[place].frames.clone());
         let mut rows = Vec::new();
         let record = |control: &Answering<'_>| match control {
             Answering::Control(control) => records::control_record(*control),
             _ => TracerRecord { name: ROUNDED_ORACLE.to_owned(), ..records::control_record(Control::Oracle) },
         };
         let controls: Vec<TracerRecord> = self.controls.iter().map(record).collect();
-        let tracers = controls.into_iter().chain(self.tracers.iter().map(records::request_record));
-        for (tracer, mut series) in tracers.zip(self.series.drain(..)) {
+        let is_exact = std::iter::repeat_n(false, controls.len()).chain(self.tracers.iter().map(is_exact));
+        let tracers = controls.into_iter().chain(self.tracers.iter().map(records::request_record)).zip(is_exact);
+        for ((tracer, is_exact), mut series) in tracers.zip(self.series.drain(..)) {
             if series.frames.is_empty() {
                 continue;
             }
@@ -459,15 +475,15 @@ impl Watch<'_> {
             for ((frame, work, wave, _), ms) in series.timings.iter().zip(samples_ms) {
                 let row = series.frames.get_mut(*frame).and_then(|row| row.works.get_mut(work));
                 if let Some(wave) = row.and_then(|row| row.waves.get_mut(*wave)) {
-                    wave.trace_ms = Some(ms);
+                    wave.trace_ms = Some(ms).filter(|_| invalid.is_none());
                 }
             }
             let is_control = tracer.preset == "control";
-            let mut pictures = BTreeMap::new();
-            for (effect, [images, errors]) in series.images.iter().filter(|_| !is_control) {
-                let kept = images::keep(images, errors, self.request.fps, self.context)?;
-                pictures.extend(kept.map(|kept| (effect.clone(), kept)));
-            }
+            let pictures = series.images.each_ref().map(|all| if is_control { &all[..0] } else { &all[..] });
+            let pictures = images::keep(first, pictures, self.request.fps, self.context)?;
+            let kept_up = series.frames.iter().zip(&floor).filter(|(own, _)| is_exact && own.stale_by.is_empty());
+            let near = kept_up.filter_map(|(own, floor)| Some(!image(own)?.is_beyond(image(floor)?, size)));
+            let floor_holds = near.reduce(|all, near| all && near);
             let sources = if is_control { machine::CONTROLS } else { tracer.name.as_str() };
             rows.push(FrameSeries {
                 scene: 0,
@@ -476,15 +492,14 @@ impl Watch<'_> {
                 machine: 0,
                 interleaved_set: interleaved_set.as_ref().filter(|_| !is_control).map(|_| 0),
                 clock,
+                invalid: invalid.clone().filter(|_| !is_control),
+                floor_holds,
                 changing: series.told.changing(),
                 frames: series.frames,
                 pictures,
             });
         }
-        for (effect, images) in &self.truths {
-            let kept = images::keep(images, &[], self.request.fps, self.context)?;
-            self.scene.pictures.extend(kept.map(|kept| (effect.clone(), kept)));
-        }
+        self.scene.pictures = images::keep(first, [&self.truths, &[]], self.request.fps, self.context)?;
         Ok(SceneMeasured { scene: self.scene, rows, skipped: self.skipped, interleaved_set })
     }
 }
