@@ -17,6 +17,7 @@ use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
 use crate::results::Record;
+use crate::studies::frames::{self, FramesRequest};
 use crate::studies::tune::{Label, Tuning};
 use crate::tables::{self, Table, exact};
 
@@ -56,7 +57,12 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Exact => exact::plans(&plan),
         Table::Settings(_) | Table::Claims(_) => vec![plan.clone()],
     };
-    let record = bench.measure(&plans, Value::Null, |context| measure::execute_all(&plans, context))?;
+    let request = if let Table::Paper(_, experiment) = table { experiment.frames.as_ref() } else { None };
+    let words = request.map_or(Value::Null, FramesRequest::describe);
+    let record = bench.measure(&plans, words, |context| match (request, plans.as_slice()) {
+        (Some(request), [plan]) => frames::execute(plan, request, context),
+        _ => measure::execute_all(&plans, context),
+    })?;
     print_table(table, bench.out.path())?;
     if is_exact {
         all_measured(&plan, &record)?;

@@ -8,6 +8,7 @@ use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::rays::{MAX_RAYS, ray_parameters};
 use crate::registry;
 use crate::results::SceneRecord;
+use crate::studies::frames::FramesRequest;
 
 /// A paper's table or figure, measured here: an entry of its `experiments.json`.
 #[derive(Debug, Deserialize)]
@@ -31,6 +32,9 @@ pub struct Experiment {
     /// How far traces go at least.
     #[serde(default)]
     pub trace_to: TraceTo,
+    /// What is asked where it is frames of a moving scene, of an effect or of its ray sets, of one step.
+    #[serde(default)]
+    pub frames: Option<FramesRequest>,
     /// What is run one after the other.
     pub steps: Vec<Step>,
     /// Whether rows stand at every choice of launch settings, how a search reads and is launched, that their tracer has: where traces of

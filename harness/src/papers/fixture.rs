@@ -7,7 +7,10 @@ use tracebench_api::{ClockKind, MemoryEntry, Query};
 use super::rows::has;
 use super::{Paper, Rows, SceneRows, SceneValue, find, report};
 pub(super) use crate::report::fixture::{COUNT, Quality, interleaved_set, run};
-use crate::results::{CounterRecord, Judgement, PhaseRecord, Record, Row, Times, TraceRecord};
+use crate::results::{
+    CounterRecord, FrameRow, FrameSeries, FramesRecord, Judgement, MovingScene, PhaseRecord, Record, Row, Times,
+    TraceRecord, WorkRow,
+};
 
 /// A configuration of a scene: its parameters, what its structure says of itself, its ray sets.
 pub(super) fn config(
@@ -43,6 +46,57 @@ pub(super) fn run_of(rows: Vec<Row>) -> Record {
 pub(super) fn like_first<'a>(scene: &SceneRows<'a>, tracer: &str, values: &[(&str, &str)]) -> Option<&'a Row> {
     let names: Vec<&str> = values.iter().map(|(name, _)| *name).collect();
     scene.differing_in(tracer, &names).find(|row| values.iter().all(|(name, value)| has(row, name, value)))
+}
+
+/// A table of frames of configurations: what works come to in each of four.
+pub(super) fn frames_of(
+    table: &str,
+    rows: Vec<Row>,
+    works: &[&str],
+    of: impl Fn(&Row, &str, usize) -> WorkRow,
+) -> Record {
+    let words = |word: &str| word.to_owned();
+    let mut section = FramesRecord {
+        frames: 4,
+        fps: 1.0,
+        size: [8, 8],
+        spp: 1,
+        moves: words("camera"),
+        update: words("reuse"),
+        paths: words("own"),
+        cut: None,
+        fixed_rays: false,
+        works: works.iter().copied().map(words).collect(),
+        effects: false,
+        scenes: Vec::new(),
+        rows: Vec::new(),
+    };
+    for row in rows {
+        let known = section.scenes.iter().position(|moving| moving.scene == row.scene);
+        let scene = known.unwrap_or(section.scenes.len()) as u32;
+        if known.is_none() {
+            let (scene, viewpoints) = (row.scene.clone(), vec![row.viewpoint.clone(); 4]);
+            section.scenes.push(MovingScene { scene, viewpoints, ..MovingScene::default() });
+        }
+        let in_frame = |number| {
+            let works = works.iter().map(|&work| (words(work), of(&row, work, number))).collect();
+            FrameRow { works, ..FrameRow::default() }
+        };
+        section.rows.push(FrameSeries {
+            scene,
+            frames: (0..4).map(in_frame).collect(),
+            tracer: row.tracer.clone(),
+            fingerprint: None,
+            machine: 0,
+            interleaved_set: None,
+            clock: None,
+            invalid: None,
+            floor_holds: None,
+            pictures: BTreeMap::new(),
+            changing: BTreeMap::new(),
+        });
+    }
+    Record { table: Some(words(table)), frames: Some(section), ..run_of(Vec::new()) }
 }
 
 /// A quantity of a paper by scene, as pages name it.

@@ -122,6 +122,15 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     // Of a row: a parameter, what its structure says, how much it says, its bytes in a scope, those of a part, and where it is.
     ("value", |_, of| parameter(of.row(0)?, &of.text(1)?).map(Value::from)),
     ("told", |_, of| statistic(of.row(0)?, &of.text(1)?).map(Value::from)),
+    // Of a row by frames a figure of one of its works: pairs of the frame's number and the figure, of frames that have one.
+    ("frames", |_, of| {
+        let (row, wanted) = (of.row(0)?, of.labels(1)?.join(" "));
+        let pair = |(name, figure): (&String, &f64)| {
+            let number: f64 = name.strip_prefix(&*wanted)?.strip_prefix(' ')?.parse().ok()?;
+            Some(Value::List(vec![number.into(), (*figure).into()]))
+        };
+        Some(Value::List(row.structure_statistics.iter().filter_map(pair).collect()))
+    }),
     ("statistics", |_, of| count(of.row(0)?.structure_statistics.len() as u64)),
     ("bytes", |at, of| {
         let scope = match of.text(1).as_deref() {

@@ -16,6 +16,7 @@ mod experiment;
 mod expression;
 #[cfg(test)]
 mod fixture;
+mod frames;
 mod functions;
 mod hhz14;
 mod page;
@@ -34,6 +35,7 @@ pub use claims::{Claim, Over, Rule, Test};
 pub use duration::Duration;
 pub use estimate::Estimate;
 pub use experiment::{Experiment, ExperimentRow, StandIn, Step, TooManyRays};
+pub(crate) use frames::with_rows;
 pub use page::claims_of;
 pub(crate) use page::{claims_report, report};
 pub(crate) use part::PART_SETTINGS;

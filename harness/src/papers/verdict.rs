@@ -6,6 +6,7 @@ use tracebench_api::named;
 
 use super::Paper;
 use super::claims::{Claim, Rule, Test};
+use super::frames::with_rows;
 use super::quantity::{OfScene, Quantity};
 use super::rows::Rows;
 use crate::results::Record;
@@ -223,7 +224,8 @@ pub fn judge_all(paper: &Paper, rows: &[Record]) -> Vec<JudgedClaim> {
     for claim in paper.claims.iter() {
         let is_of_table = |record: &&Record| record.table.as_deref().is_some_and(|table| claim.table() == Some(table));
         let of_table = rows.iter().filter(is_of_table);
-        let mut of_claim: Vec<_> = of_table.map(|record| judge(paper, claim, &Rows::of(&record.aligned()))).collect();
+        let told = |record: &Record| judge(paper, claim, &Rows::of(&with_rows(&record.aligned())));
+        let mut of_claim: Vec<_> = of_table.map(told).collect();
         if of_claim.iter().any(|each| each.verdict != Verdict::NotMeasured) {
             of_claim.retain(|each| each.verdict != Verdict::NotMeasured);
         }

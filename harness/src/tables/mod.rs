@@ -113,7 +113,8 @@ pub fn of_run(record: &Record) -> Result<Report, ReportError> {
 pub fn write(table: Table, record: &Record, folder: &OutputFolder) -> Result<Vec<PathBuf>, ReportError> {
     let made =
         |reason: &str| ReportError::NotMade { what: format!("table {}", table.name()), reason: reason.to_owned() };
-    let record = &*record.aligned();
+    let record = record.aligned();
+    let record = &*papers::with_rows(&record);
     // Its rows are chosen, set and scaled for what it is of.
     if let Some(other) = record.table.as_deref().filter(|other| *other != table.name()) {
         return Err(made(&format!(

@@ -13,9 +13,10 @@ use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::{cells, metrics};
 use crate::results::{Judgement, Row, TraceRecord};
 
-/// What was measured: the paper's own sections, then every scene and resolution.
+/// What was measured: the paper's own sections, then every scene and resolution; of frames, which have a page, the first alone.
 pub(super) fn sections(page: &Page<'_>) -> Document {
-    let at = page.rows.scenes.iter().flat_map(SceneRows::by_resolution);
+    let runs = page.rows.scenes.iter().filter(|_| page.experiment.frames.is_none());
+    let at = runs.flat_map(SceneRows::by_resolution);
     Document::default()
         .heading(2, "Here")
         .and(page.experiment.sections.iter().map(|name| section(page, name)))

@@ -8,7 +8,7 @@ pub(super) mod told;
 pub use claims::claims_of;
 pub(crate) use claims::claims_report;
 
-use super::{Experiment, Paper, PublishedTable, Rows, judge};
+use super::{Experiment, Paper, PublishedTable, Rows, judge, with_rows};
 use crate::files;
 use crate::report::chart::series::series;
 use crate::report::document::Document;
@@ -46,7 +46,7 @@ impl Page<'_> {
 
 /// An experiment over a run.
 pub(crate) fn report(paper: &'static Paper, experiment: &Experiment, record: &Record) -> Result<Report, ReportError> {
-    let mut record = record.clone();
+    let mut record = with_rows(record).into_owned();
     record.rows.retain(|one| experiment.holds(&one.tracer.name));
     let rows = Rows::of(&record);
     let own = paper.claims.iter().filter(|claim| claim.table() == Some(experiment.name));

@@ -11,9 +11,10 @@ use tracebench_api::{ClockKind, MemoryEntry, Query};
 use super::PAPER;
 use crate::papers::Scope;
 use crate::papers::fixture::{
-    self, all_rounds, close, config, in_a_million, run_of, set_build, set_bytes, set_classes, set_time,
+    self, all_rounds, close, config, frames_of, in_a_million, run_of, set_build, set_bytes, set_classes, set_time,
 };
-use crate::results::{CounterRecord, Judgement, Record, Row, Times, common_clock};
+use crate::papers::{Verdict, judge_all};
+use crate::results::{CounterRecord, Judgement, Record, Row, Times, WaveRow, WorkRow, common_clock};
 
 /// The ray sets of configurations.
 const SETS: [(&str, Query); 3] =
@@ -394,4 +395,25 @@ fn thickness_is_a_trade() {
     let nothing = run_of(vec![row(0.0, [0, 0], 1.0), exact]);
     assert!(values("thickness_closes_and_invents", &nothing).is_empty());
     close(value("fragments_false_misses_beyond_dirt", &nothing), 0.0);
+}
+
+/// What the same rays lose in views from elsewhere is told of frames with fixed rays, by the set and the view that lose most.
+#[test]
+fn views_from_elsewhere_are_held_against_own_ones() {
+    let judged = |lost: u64| {
+        let rows = vec![dirt("room", json!({}), &[])];
+        let record = frames_of("dirt-reuse", rows, &["primary", "diffuse"], |_, work, frame| {
+            let wrong = if frame == 2 && work == "diffuse" { lost } else { frame as u64 };
+            let wave = WaveRow { rays: 1000, judged: 1000, right: [990 - wrong; 3], ..WaveRow::default() };
+            WorkRow { waves: vec![wave], image: None }
+        });
+        let mut found = judge_all(&PAPER, &[record]).into_iter();
+        let found = found.find(|each| each.claim.id == "dirt-static-reuse").unwrap();
+        (found.verdict, found.median.unwrap())
+    };
+    for (lost, verdict) in [(5, Verdict::Holds), (20, Verdict::DoesNotHold)] {
+        let (found, value) = judged(lost);
+        assert_eq!(found, verdict);
+        close(value, lost as f64 / 1000.0);
+    }
 }

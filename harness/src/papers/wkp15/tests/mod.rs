@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 use tracebench_api::Query;
 
 use super::PAPER;
-use crate::papers::PublishedTable;
 use crate::papers::fixture::{
-    self, COUNT, close, config, count, in_a_million, run_of, set_classes, set_time, trace_of,
+    self, COUNT, close, config, count, frames_of, in_a_million, page_of, run_of, set_classes, set_time, trace_of,
 };
-use crate::results::{Judgement, PhaseRecord, Record, Row};
+use crate::papers::{PublishedTable, Verdict, judge_all};
+use crate::results::{ImageRow, Judgement, PhaseRecord, Record, Row, WorkRow};
 
 const SETS: [(&str, Query); 8] = [
     ("stereo", Query::Closest),
@@ -148,7 +148,7 @@ fn claims_agree_with_tables_where_they_say_so() {
 #[test]
 fn all_claims_are_there() {
     let claims = &PAPER.claims;
-    assert_eq!(claims.len(), 74);
+    assert_eq!(claims.len(), 76);
     let unmeasured = |id: &str| claims.iter().find(|claim| claim.id == id).unwrap().table().is_none();
     for id in ["wkp15-level-cap", "wkp15-gpu-bvh-90", "wkp15-total-includes-build", "wkp15-dof-rate"] {
         assert!(unmeasured(id), "{id}");
@@ -411,4 +411,33 @@ fn growing_thresholds_are_held_against_fixed_ones() {
     close(value("growing_thresholds_save_in_lens", &record), 15.0);
     let fixed = run_of(record.rows.iter().step_by(2).cloned().collect());
     assert!(values("growing_thresholds_save_in_views", &fixed).is_empty());
+}
+
+/// PSNR is read from frames behind the first, of which a table of frames decides claims: it falls over distances or it does not, and growing
+/// thresholds cost some or much.
+#[test]
+fn images_are_read_from_frames() {
+    let judged = |fall: f64, lost: f64| {
+        let at = |angle: f64, distance: f64, growth: f64| {
+            quadtree("atrium", json!({ "gamma_norm": angle, "gamma_dist": distance, "gamma_growth": growth }))
+        };
+        let pairs = ANGLES.into_iter().zip(DISTANCES);
+        let pairs = pairs.flat_map(|(angle, distance)| [0.0, 16.0].map(|growth| at(angle, distance, growth)));
+        let rows = pairs.chain(DISTANCES[1..].iter().map(|distance| at(3.0, *distance, 0.0))).collect();
+        let record = frames_of("wkp15-images", rows, &["primary"], |row, _, frame| {
+            let value = |name: &str| row.tracer.parameters[name].as_f64().unwrap();
+            let psnr = 30.0 - fall * value("gamma_dist").log10() - if value("gamma_growth") > 0.0 { lost } else { 0.0 };
+            let psnr_db = Some(if frame == 0 { 90.0 } else { psnr });
+            WorkRow { image: Some(ImageRow { psnr_db, ..ImageRow::default() }), ..WorkRow::default() }
+        });
+        let found = judge_all(&PAPER, std::slice::from_ref(&record));
+        let of = |id: &str| found.iter().find(|each| each.claim.id == id).unwrap().clone();
+        (of("wkp15-thresholds-psnr"), of("wkp15-adaptive-psnr"), page_of("wkp15-images", &record))
+    };
+    let (trend, growing, page) = judged(1.0, 0.5);
+    assert_eq!((trend.verdict, trend.median, growing.verdict), (Verdict::Holds, Some(1.0), Verdict::Holds));
+    close(growing.median.unwrap(), 0.5);
+    assert!(page.contains("| 35.00 |") && page.contains("| 34.50 |"), "{page}");
+    let (trend, growing, _) = judged(-1.0, 2.0);
+    assert_eq!((trend.verdict, growing.verdict), (Verdict::DoesNotHold, Verdict::DoesNotHold));
 }

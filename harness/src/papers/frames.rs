@@ -1,0 +1,49 @@
+//! Frames of moving scenes as rows, so that quantities read them as they read runs: the function `frames` tells their figures.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use crate::measure::records;
+use crate::results::{BuildRecord, FrameSeries, FramesRecord, MemoryRecord, Record, Row, WorkRow};
+
+/// A figure of a work in a frame, by name.
+type Figure = (&'static str, fn(&WorkRow) -> Option<f64>);
+
+/// An image's PSNR, and the share of a set's rays that are right under `footprint`.
+const FIGURES: [Figure; 2] = [
+    ("psnr_db", |work| work.image.as_ref()?.psnr_db),
+    ("footprint", |work| work.waves.first().map(|wave| wave.right[2] as f64 / wave.judged as f64)),
+];
+
+/// A record of frames with a row for each tracer in a scene; any other as it is. What its frames come to stands as what its structure says
+/// of itself.
+pub(crate) fn with_rows(record: &Record) -> Cow<'_, Record> {
+    let Some(section) = &record.frames else { return Cow::Borrowed(record) };
+    let rows = section.rows.iter().filter(|series| !series.is_control()).map(|series| row(section, series));
+    Cow::Owned(Record { rows: rows.collect(), ..record.clone() })
+}
+
+fn row(section: &FramesRecord, series: &FrameSeries) -> Row {
+    let mut figures = BTreeMap::new();
+    for (number, frame) in series.frames.iter().enumerate() {
+        for (work, row) in &frame.works {
+            let told = FIGURES.iter().filter_map(|(name, of)| Some((format!("{work} {name} {number}"), of(row)?)));
+            figures.extend(told);
+        }
+    }
+    let moving = &section.scenes[series.scene as usize];
+    Row {
+        scene: moving.scene.clone(),
+        viewpoint: moving.viewpoints.first().cloned().unwrap_or_default(),
+        tracer: series.tracer.clone(),
+        fingerprint: series.fingerprint.clone(),
+        update_mode: None,
+        difficulty_level: None,
+        resident_batch: 0,
+        machine: series.machine,
+        memory: MemoryRecord { structure: Vec::new(), structure_bytes: 0, geometry_bytes: 0, build_peak_bytes: 0 },
+        structure_statistics: figures,
+        build: BuildRecord { times: records::times(&[], true), first: None, steady: None, setup_ms: 0.0 },
+        traces: Vec::new(),
+    }
+}
