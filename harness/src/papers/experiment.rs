@@ -32,7 +32,7 @@ pub struct Experiment {
     /// How far traces go at least.
     #[serde(default)]
     pub trace_to: TraceTo,
-    /// What is asked where it is frames of a moving scene, of an effect or of its ray sets, of one step.
+    /// What is asked where it is frames of a moving scene, of effects or of its ray sets, of one step.
     #[serde(default)]
     pub frames: Option<FramesRequest>,
     /// What is run one after the other.

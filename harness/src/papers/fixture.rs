@@ -78,23 +78,26 @@ pub(super) fn frames_of(
             let (scene, viewpoints) = (row.scene.clone(), vec![row.viewpoint.clone(); 4]);
             section.scenes.push(MovingScene { scene, viewpoints, ..MovingScene::default() });
         }
-        let in_frame = |number| {
-            let works = works.iter().map(|&work| (words(work), of(&row, work, number))).collect();
-            FrameRow { works, ..FrameRow::default() }
-        };
-        section.rows.push(FrameSeries {
-            scene,
-            frames: (0..4).map(in_frame).collect(),
-            tracer: row.tracer.clone(),
-            fingerprint: None,
-            machine: 0,
-            interleaved_set: None,
-            clock: None,
-            invalid: None,
-            floor_holds: None,
-            pictures: BTreeMap::new(),
-            changing: BTreeMap::new(),
-        });
+        section.rows.extend(works.iter().map(|&work| {
+            FrameSeries {
+                scene,
+                frames: (0..4)
+                    .map(|number| FrameRow {
+                        works: [(words(work), of(&row, work, number))].into(),
+                        ..FrameRow::default()
+                    })
+                    .collect(),
+                tracer: row.tracer.clone(),
+                fingerprint: None,
+                machine: 0,
+                interleaved_set: None,
+                clock: None,
+                invalid: None,
+                floor_holds: None,
+                pictures: BTreeMap::new(),
+                changing: BTreeMap::new(),
+            }
+        }));
     }
     Record { table: Some(words(table)), frames: Some(section), ..run_of(Vec::new()) }
 }

@@ -6,29 +6,32 @@ use std::collections::BTreeMap;
 use crate::measure::records;
 use crate::results::{BuildRecord, FrameSeries, FramesRecord, MemoryRecord, Record, Row, WorkRow};
 
-/// A figure of a work in a frame, by name.
-type Figure = (&'static str, fn(&WorkRow) -> Option<f64>);
-
-/// An image's PSNR, and the share of a set's rays that are right under `footprint`.
-const FIGURES: [Figure; 2] = [
-    ("psnr_db", |work| work.image.as_ref()?.psnr_db),
-    ("footprint", |work| work.waves.first().map(|wave| wave.right[2] as f64 / wave.judged as f64)),
-];
+/// Figures of a work in a frame: an image's PSNR, and the share of a set's rays that are right under `footprint`.
+fn figures_of(work: &WorkRow) -> [(&'static str, Option<f64>); 2] {
+    let right = work.waves.first().map(|wave| wave.right[2] as f64 / wave.judged as f64);
+    [("psnr_db", work.image.as_ref().and_then(|image| image.psnr_db)), ("footprint", right)]
+}
 
 /// A record of frames with a row for each tracer in a scene; any other as it is. What its frames come to stands as what its structure says
 /// of itself.
 pub(crate) fn with_rows(record: &Record) -> Cow<'_, Record> {
     let Some(section) = &record.frames else { return Cow::Borrowed(record) };
-    let rows = section.rows.iter().filter(|series| !series.is_control()).map(|series| row(section, series));
-    Cow::Owned(Record { rows: rows.collect(), ..record.clone() })
+    let mut rows: Vec<Row> = Vec::new();
+    for own in section.rows.iter().filter(|series| !series.is_control()).map(|series| row(section, series)) {
+        match rows.iter_mut().find(|row| (&row.scene, &row.tracer) == (&own.scene, &own.tracer)) {
+            Some(row) => row.structure_statistics.extend(own.structure_statistics),
+            None => rows.push(own),
+        }
+    }
+    Cow::Owned(Record { rows, ..record.clone() })
 }
 
 fn row(section: &FramesRecord, series: &FrameSeries) -> Row {
     let mut figures = BTreeMap::new();
     for (number, frame) in series.frames.iter().enumerate() {
         for (work, row) in &frame.works {
-            let told = FIGURES.iter().filter_map(|(name, of)| Some((format!("{work} {name} {number}"), of(row)?)));
-            figures.extend(told);
+            let told = figures_of(row).into_iter();
+            figures.extend(told.filter_map(|(name, figure)| Some((format!("{work} {name} {number}"), figure?))));
         }
     }
     let moving = &section.scenes[series.scene as usize];

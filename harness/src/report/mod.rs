@@ -191,7 +191,7 @@ impl Study {
     /// What derives from its record.
     pub(crate) fn report(&self, record: &Record, tables: Tables) -> Result<Report, ReportError> {
         match self.report {
-            Some(report) => Ok(report(record).unwrap_or_default()),
+            Some(report) => Ok(report(record).unwrap_or_default().and(tables(record)?)),
             None => of_run(record, tables),
         }
     }

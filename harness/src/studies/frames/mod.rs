@@ -176,9 +176,8 @@ impl FramesRequest {
 /// Whether an image may differ from the truth's by rounding alone: that of a hierarchy, however it is set, and of another method with analytic
 /// hits in its improved form.
 fn is_exact(request: &TracerRequest) -> bool {
-    let TracerRequest { registration, preset, changed, .. } = request;
-    let improved = *preset == Preset::Improved && changed.is_empty();
-    registration.is_analytic() && (registration.family == Family::Bvh || improved)
+    let improved = request.preset == Preset::Improved && request.changed.is_empty();
+    request.registration.is_analytic() && (request.registration.family == Family::Bvh || improved)
 }
 
 /// A part, measured in a scene.

@@ -251,29 +251,36 @@ fn every_other_frame_is_found() {
     assert_eq!(text("frames.csv").lines().count(), 1 + 4 * section.rows.len());
 }
 
-/// Asserts that images of exact tracers with every effect are as near to the truth as rounding lets them be, and that every pixel which is
-/// not names the wave that differs first.
-fn keeps_to_the_floor(scene: &str, tracers: Vec<TracerRequest>, device: &registry::Device) {
+/// Which images of exact tracers with every effect differ from the truth by more than rounding does, if some do. Every pixel that differs
+/// names the wave that differs first.
+fn beyond_the_floor(
+    scene: &str,
+    size: [u32; 2],
+    tracers: Vec<TracerRequest>,
+    device: &registry::Device,
+) -> Option<String> {
     let whole = plan(scene, &[], 0);
-    let plan = Plan { tracers, preset: RunPreset { ray_image: [48, 32], ..whole.preset }, ..whole };
+    let plan = Plan { tracers, preset: RunPreset { ray_image: size, ..whole.preset }, ..whole };
     let asked = request(&Effect::ALL, 2, Moves::Both, Updates::Auto);
     let section = measured_on(device, &plan, &asked).unwrap().frames.unwrap();
-    assert_eq!(section.fault(), None);
-    let exact: Vec<&FrameSeries> = section.rows.iter().filter(|row| row.floor_holds == Some(true)).collect();
+    let exact: Vec<&FrameSeries> = section.rows.iter().filter(|row| row.floor_holds.is_some()).collect();
     assert!(exact.len() >= Effect::ALL.len(), "{scene}: {}", exact.len());
     for row in exact.iter().flat_map(|row| &row.frames).flat_map(|row| row.works.values()) {
         let image = row.image.as_ref().unwrap();
         assert_eq!(image.beyond, image.beyond_by_wave.values().sum::<u64>());
         assert!(!image.beyond_by_wave.contains_key("none"), "{image:?}");
     }
+    section.fault()
 }
 
+/// Proves that a hierarchy's images keep to the floor of exact tracers.
 #[test]
 fn exact_tracers_keep_to_the_floor() {
     let none = Err(TracerError::Unavailable("none is needed".to_owned()));
-    keeps_to_the_floor("cloth", vec![tracer("bvh-cpu")], &none);
+    assert_eq!(beyond_the_floor("cloth", [48, 32], vec![tracer("bvh-cpu")], &none), None);
 }
 
+/// The same of all exact tracers in every scene, at a size of which 0.02 % is a pixel.
 #[test]
 #[ignore = "wider set: every effect in every scene, by all exact tracers"]
 fn exact_tracers_keep_to_the_floor_in_every_scene() {
@@ -281,9 +288,9 @@ fn exact_tracers_keep_to_the_floor_in_every_scene() {
     let presets = [Preset::Published, Preset::Improved];
     let of = |registration: &Registration| presets.map(|preset| TracerRequest::of(registration, preset));
     let exact: Vec<TracerRequest> = registry::TRACERS.iter().flat_map(of).filter(is_exact).collect();
-    for scene in tracebench_scenes::catalogue() {
-        keeps_to_the_floor(scene.name, exact.clone(), &device);
-    }
+    let scenes = tracebench_scenes::catalogue().iter();
+    let beyond = scenes.filter_map(|scene| beyond_the_floor(scene.name, [96, 64], exact.clone(), &device));
+    assert_eq!(beyond.collect::<Vec<_>>(), Vec::<String>::new());
 }
 
 /// Proves that a tracer which takes no longer for its work twice than for once leaves the traces of its interleaved set without times, with

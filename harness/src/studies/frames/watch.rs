@@ -202,14 +202,13 @@ impl<'a> Watch<'a> {
         let rounded = request.effect().map(|_| Answering::Rounded);
         let controls: Vec<Answering<'_>> = Control::ALL.into_iter().map(Answering::Control).chain(rounded).collect();
         let series = (0..controls.len() + tracers.len()).map(|_| Series::default()).collect();
-        let set = plan.ray_sets.first().map_or("", |set| set.name);
         Ok(Self {
             plan,
             request,
             context,
             scene: MovingScene { path, points: points.len() as u64, ..MovingScene::default() },
             points,
-            first: request.effect().map_or(set, Effect::name),
+            first: request.effect().map_or(plan.ray_sets.first().map_or("", |set| set.name), Effect::name),
             fixed: Vec::new(),
             exposure: None,
             stage: None,

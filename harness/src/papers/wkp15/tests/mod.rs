@@ -413,18 +413,19 @@ fn growing_thresholds_are_held_against_fixed_ones() {
     assert!(values("growing_thresholds_save_in_views", &fixed).is_empty());
 }
 
-/// PSNR is read from frames behind the first, of which a table of frames decides claims: it falls over distances or it does not, and growing
-/// thresholds cost some or much.
+/// PSNR is read from frames behind the first, of every effect: it falls over distances or it does not, and growing thresholds cost some or
+/// much; where effects differ nothing is decided.
 #[test]
 fn images_are_read_from_frames() {
-    let judged = |fall: f64, lost: f64| {
+    let judged = |[normals, lit]: [f64; 2], lost: f64| {
         let at = |angle: f64, distance: f64, growth: f64| {
             quadtree("atrium", json!({ "gamma_norm": angle, "gamma_dist": distance, "gamma_growth": growth }))
         };
         let pairs = ANGLES.into_iter().zip(DISTANCES);
         let pairs = pairs.flat_map(|(angle, distance)| [0.0, 16.0].map(|growth| at(angle, distance, growth)));
         let rows = pairs.chain(DISTANCES[1..].iter().map(|distance| at(3.0, *distance, 0.0))).collect();
-        let record = frames_of("wkp15-images", rows, &["primary"], |row, _, frame| {
+        let record = frames_of("wkp15-images", rows, &["normals", "primary"], |row, work, frame| {
+            let fall = if work == "normals" { normals } else { lit };
             let value = |name: &str| row.tracer.parameters[name].as_f64().unwrap();
             let psnr = 30.0 - fall * value("gamma_dist").log10() - if value("gamma_growth") > 0.0 { lost } else { 0.0 };
             let psnr_db = Some(if frame == 0 { 90.0 } else { psnr });
@@ -434,10 +435,11 @@ fn images_are_read_from_frames() {
         let of = |id: &str| found.iter().find(|each| each.claim.id == id).unwrap().clone();
         (of("wkp15-thresholds-psnr"), of("wkp15-adaptive-psnr"), page_of("wkp15-images", &record))
     };
-    let (trend, growing, page) = judged(1.0, 0.5);
+    let (trend, growing, page) = judged([1.0; 2], 0.5);
     assert_eq!((trend.verdict, trend.median, growing.verdict), (Verdict::Holds, Some(1.0), Verdict::Holds));
     close(growing.median.unwrap(), 0.5);
-    assert!(page.contains("| 35.00 |") && page.contains("| 34.50 |"), "{page}");
-    let (trend, growing, _) = judged(-1.0, 2.0);
+    assert!(page.contains("| 35.00 | 35.00 |") && page.contains("| 34.50 | 34.50 |"), "{page}");
+    let (trend, growing, _) = judged([-1.0; 2], 2.0);
     assert_eq!((trend.verdict, growing.verdict), (Verdict::DoesNotHold, Verdict::DoesNotHold));
+    assert_eq!(judged([-1.0, 1.0], 0.5).0.verdict, Verdict::Undecided);
 }
