@@ -172,12 +172,12 @@ fn staleness(root: &Path, entries: &[Entry], entry: &Entry) -> Result<Option<Str
     if rules != u64::from(RULES_VERSION) {
         return Ok(Some(format!("rules version {rules}")));
     }
-    let rows = record["rows"].as_array().map_or_else(|| vec![&record], |rows| rows.iter().collect());
+    let rows = if record["rows"].is_null() { vec![&record] } else { rows(&record).collect() };
     let is_other = |row: &&&Value| row["fingerprint"].as_str() != tracer_of(row).and_then(machine::fingerprint);
     let other: BTreeSet<&str> = rows.iter().filter(is_other).filter_map(|row| tracer_of(row)).collect();
     let is_answered = entry.answers == versions(&record);
     let has_times = |trace: &Value| trace["samples_ms"].as_array().is_some_and(|samples| !samples.is_empty());
-    let is_timed = record["rows"].is_null() || traces(&record).any(has_times);
+    let is_timed = record["rows"].is_null() || !record["frames"].is_null() || traces(&record).any(has_times);
     if other.is_empty() || is_answered && !is_timed {
         return Ok(None);
     }
@@ -190,8 +190,11 @@ fn tracer_of(row: &Value) -> Option<&str> {
     row["tracer"]["name"].as_str().or(row["tracer"].as_str())
 }
 
+/// Its rows, and its frames' but for controls.
 fn rows(record: &Value) -> impl Iterator<Item = &Value> {
-    record["rows"].as_array().into_iter().flatten()
+    let frames = record["frames"]["rows"].as_array().into_iter().flatten();
+    let frames = frames.filter(|row| row["tracer"]["preset"] != "control");
+    record["rows"].as_array().into_iter().flatten().chain(frames)
 }
 
 fn traces(record: &Value) -> impl Iterator<Item = &Value> {

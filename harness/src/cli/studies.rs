@@ -262,7 +262,7 @@ pub(super) struct AttackArguments {
     work: WorkArguments,
 }
 
-fn rule(text: &str) -> Result<Rule, String> {
+pub(super) fn rule(text: &str) -> Result<Rule, String> {
     let found = Rule::ALL.into_iter().find(|rule| rule.name() == text);
     found.ok_or_else(|| Rule::ALL.map(Rule::name).join(" or "))
 }

@@ -7,6 +7,7 @@ use serde_json::json;
 use tracebench_api::Invalidation;
 
 use super::arguments::{Selection, WorkArguments};
+use super::studies::rule;
 use super::work::Work;
 use super::{CliError, names, refuse};
 use crate::judge::Rule;
@@ -206,8 +207,7 @@ fn refused(error: &SweepError, option: &str) -> CliError {
 pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
     let axes = arguments.axes(&arguments.request()?)?;
-    let named = |name: &str| Rule::ALL.into_iter().find(|rule| rule.name() == name);
-    if let Some(rule) = arguments.choose.as_deref().and_then(named) {
+    if let Some(rule) = arguments.choose.as_deref().and_then(|name| rule(name).ok()) {
         return choose(arguments, rule, progress);
     }
     let grid = arguments.grid.is_some();

@@ -30,10 +30,14 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.few_rows;
     let common = &arguments.work.common;
+    let request = if let Table::Paper(_, experiment) = table { experiment.frames.as_ref() } else { None };
+    let by_rounds = arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.work.says_how_long();
+    let options_of_rounds = "--tuned, --estimate, --samples, --ratio-precision, --time-limit";
     let refused = [
         (is_exact && common.view.is_some(), "--view", "has viewpoints of its own"),
         (!is_exact && arguments.tracer.is_some(), "--tracer", "has its own"),
         (!matches!(table, Table::Paper(..)) && of_papers, "--only, --tuned, --few-rows, --estimate", "is no paper's"),
+        (request.is_some() && by_rounds, options_of_rounds, "is of frames, each a round"),
     ];
     if let Some((_, options, why)) = refused.into_iter().find(|(is_refused, ..)| *is_refused) {
         return refuse(format!("{options}: table {} {why}", table.name()));
@@ -57,7 +61,6 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Exact => exact::plans(&plan),
         Table::Settings(_) | Table::Claims(_) => vec![plan.clone()],
     };
-    let request = if let Table::Paper(_, experiment) = table { experiment.frames.as_ref() } else { None };
     let words = request.map_or(Value::Null, FramesRequest::describe);
     let record = bench.measure(&plans, words, |context| match (request, plans.as_slice()) {
         (Some(request), [plan]) => frames::execute(plan, request, context),
@@ -140,7 +143,7 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
 /// That nothing speaks against what was measured.
 fn all_right(table: Table, record: &Record) -> Result<(), CliError> {
     let fault = if let Table::Exact = table { exact::fault(record) } else { None };
-    fault.map_or(Ok(()), fail)
+    fault.or_else(|| record.frames.as_ref()?.fault()).map_or(Ok(()), fail)
 }
 
 /// Of a paper's table the verdicts are the answer.

@@ -27,6 +27,7 @@ pub(crate) struct DoubledWork {
     /// The participant whose work it does.
     pub participant: usize,
     pub timings: Vec<Timing>,
+    /// Its buffer, where one is kept from round to round.
     pub(super) hits: Option<HitBuffer>,
     /// Why it is not judged, as far as that is known.
     pub not_judged: Option<String>,

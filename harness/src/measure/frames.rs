@@ -172,6 +172,7 @@ pub(crate) fn follow<W: FrameWork>(
                     (Some(here), None) => {
                         work.turn(here, (place, &follower.config, counts), std::mem::take(&mut follower.row))
                     }
+                    (Some(_), Some(double)) if doubles[double].not_judged.is_some() => Ok(()),
                     (Some(here), Some(double)) => {
                         doubles[double].keep(work.twice(here, &follower.config), counts);
                         Ok(())

@@ -166,7 +166,7 @@ fn a_window_of_structures_is_resident() {
             })
             .collect();
         let plan = Plan { tracers: requests, ..plan() };
-        let record = measured(|context| execute(&plan, context));
+        let record = measured(|context| execute_all(std::slice::from_ref(&plan), context));
         assert_eq!(
             (record.rows.len(), record.anchors.len(), record.controls.len()),
             (most, windows - 1, controls::Control::ALL.len()),

@@ -130,14 +130,6 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Runs everything.
-///
-/// # Errors
-/// [`RunError`] as its variants say; interleaved sets that ended are in the journal.
-pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
-    execute_all(std::slice::from_ref(plan), context)
-}
-
 /// Runs plans one after the other into one run, for what no single plan has: several resolutions, or several values of what is said
 /// about ray sets. The first tells what is said of the run as a whole. Configurations are interleaved within a plan.
 ///

@@ -39,7 +39,16 @@ fn published_data_is_whole() {
     for (index, (paper, Published { paper: publication, tables })) in papers.iter().enumerate() {
         assert!(papers[..index].iter().all(|(other, _)| other.name != paper.name), "{}", paper.name);
         assert!(tables.iter().all(|table| table.paper == paper.name), "{}", paper.name);
-        assert!(!publication.hardware.is_empty() && publication.setup.iter().all(|each| each["section"].is_some()));
+        assert!(!publication.hardware.is_empty());
+        for setting in &publication.setup {
+            assert!(
+                setting.keys().all(|key| ["name", "value", "section", "note"].contains(&key.as_str())),
+                "{setting:?}"
+            );
+            let is_there = |key| setting.get(key).is_some_and(Option::is_some);
+            let says = |key| setting.get(key).is_some_and(|text| text.as_ref().is_some_and(|text| !text.is_empty()));
+            assert!(is_there("name") && is_there("note") && says("section"), "{setting:?}");
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::verdict::{self, Verdict};
-use super::{PACKED, RUN_FILE, ReportError, Study, Tables, contents, kept, read_run, record_file, unpacked};
+use super::{PACKED, PAGE_FILE, RUN_FILE, ReportError, Study, Tables, contents, kept, read_run, record_file, unpacked};
 use crate::files::LIST;
 use crate::hash::sha256_of;
 use crate::results::{PICTURES_FOLDER, Provenance, Record};
@@ -69,8 +69,7 @@ fn command(folder: &Path, record: &Record, parse: impl Fn(&str) -> Result<(), St
         return Some(format!("{MANIFEST} does not tell its command: add its \"folder\", \"command\" and \"minutes\""));
     };
     let verb = Study::of(record).verb;
-    let table = record.table.as_ref().filter(|_| verb == "table");
-    let begin = table.map_or(verb.to_owned(), |table| format!("{verb} {table}"));
+    let begin = record.table.as_ref().map_or(verb.to_owned(), |table| format!("table {table}"));
     let is_of_record = format!("{command} ").starts_with(&format!("{begin} "));
     let wrong = parse(command).err().or((!is_of_record).then(|| format!("the record is of `{begin}`")));
     wrong.map(|why| format!("{MANIFEST} says that `{command}` made it: {why}: write the command that did"))
@@ -88,7 +87,7 @@ fn files(folder: &Path, record: &Record, tables: Tables) -> Result<Vec<String>, 
             Some((_, made)) => fs::read(&path).is_ok_and(|bytes| bytes == *made),
             // Another record's folder is checked by itself.
             None => {
-                [RUN_FILE, PACKED, LIST, PICTURES_FOLDER].contains(&&*name)
+                [RUN_FILE, PACKED, LIST, PICTURES_FOLDER, PAGE_FILE].contains(&&*name)
                     || path.is_dir() && record_file(&path).is_file()
             }
         };

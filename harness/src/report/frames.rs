@@ -290,9 +290,9 @@ fn overall(all: &[Shown<'_>]) -> Table {
 /// of the oracle with t in f32, and 0.02 % of all.
 fn beyond(shown: &Shown<'_>, floor: Option<Shown<'_>>) -> Cell {
     let Some(most) = shown.images().map(|image| image.beyond).max() else { return Cell::None };
-    let is_exact = registry::find(&shown.series.tracer.name).is_some_and(|registration| registration.is_analytic());
+    let is_broken = shown.series.floor_holds == Some(false);
     let pairs = floor.iter().flat_map(|floor| shown.images().zip(floor.images()));
-    let beyond = pairs.filter(|(image, floor)| is_exact && image.is_beyond(floor, shown.section.size));
+    let beyond = pairs.filter(|(image, floor)| is_broken && image.is_beyond(floor, shown.section.size));
     let waves: BTreeSet<&String> = beyond.flat_map(|(image, _)| image.beyond_by_wave.keys()).collect();
     let count = format::thousands(most);
     let marked = || format!("{count}, **beyond rounding**: {}", waves.iter().join(", "));
@@ -305,7 +305,9 @@ fn floors(all: &[Shown<'_>]) -> Option<String> {
         let of = all.iter().filter(|shown| shown.series.floor_holds == Some(holds));
         of.map(|shown| shown.series.tracer.label()).join(", ")
     });
-    let floor = format!("at most twice the pixels beyond 1/255 of {ROUNDED_ORACLE}, and 0.02 % of all, in every frame");
+    let floor = format!(
+        "at most twice the pixels beyond 1/255 of {ROUNDED_ORACLE}, and 0.02 % of all, wherever no structure is stale"
+    );
     let beyond = (!beyond.is_empty()).then(|| format!("**Exact tracers without {floor}**: {beyond}."));
     let near = (!near.is_empty()).then(|| format!("Exact tracers with {floor}: {near}."));
     [beyond, near].into_iter().flatten().reduce(|beyond, near| format!("{beyond} {near}"))

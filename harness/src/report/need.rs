@@ -157,7 +157,7 @@ fn of_set(rays: &str, curves: &[&Curve<'_>]) -> Document {
 fn holds(rules: &[OfTracer<'_>]) -> Document {
     type Row<'a> = (&'a NeedCurve, &'a Tried<'a>);
     let count = |outcome: Option<Outcome>| {
-        let name = outcome.map_or("not measured", Outcome::name);
+        let name = outcome.map_or("not measured, or no smaller", Outcome::name);
         Column::new(name, move |(_, tried): &Row<'_>| tried.outcomes().filter(|own| *own == outcome).count() as u64)
     };
     let sheet = Sheet::<Row<'_>>::new()
@@ -201,11 +201,11 @@ fn thumbs(rules: &[OfTracer<'_>], curves: &[Curve<'_>]) -> Document {
             tried.as_ref().and_then(Tried::worst).and_then(lost)
         })
         .column("there it is", |(_, (_, tried))| {
-            tried.as_ref().map(|tried| tried.outcome().map_or("not measured", Outcome::name))
+            tried.as_ref().map(|tried| tried.outcome().map_or("not measured, or no smaller", Outcome::name))
         });
     let rows = rules.iter().flat_map(|(tracer, _, all)| all.iter().map(move |thumb| (*tracer, thumb))).collect_vec();
-    let tried = rows.iter().filter_map(|(_, (held_out, tried))| held_out.and(tried.as_ref())).collect_vec();
-    let enough = tried.iter().filter(|tried| tried.outcome() == Some(Outcome::Enough)).count();
+    let tried = rows.iter().filter_map(|(_, (held_out, tried))| held_out.and(tried.as_ref())?.outcome()).collect_vec();
+    let enough = tried.iter().filter(|outcome| **outcome == Outcome::Enough).count();
     let words = format!(
         "A rule is the smallest structure, by its bytes as a share of the whole one's, that is enough in every case that it is made of. Each is \
          made of all scenes, and of all but one, which is then *there*: {enough} of {} that ask for less than the whole are enough there. Rays \

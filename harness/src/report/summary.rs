@@ -23,7 +23,7 @@ use super::verdict::{self, Verdict};
 use crate::judge::REFERENCE_PIXELS;
 use crate::results::{
     Classes, CounterRecord, InterleavedSetRecord, Judgement, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped,
-    StopReason, TraceRecord, ViewpointRecord,
+    StopReason, TraceRecord, TracerRecord, ViewpointRecord,
 };
 
 /// How many causes a row names.
@@ -81,8 +81,10 @@ pub(super) fn notes(record: &Record) -> Document {
         let warnings = row.scene.warnings.iter().map(warning);
         warnings.chain(row.traces.iter().filter_map(one_sided)).collect::<Vec<_>>()
     };
-    let stale =
-        record.rows.iter().filter(|row| !row.is_of_this_version()).map(|row| row.tracer.label()).unique().join(", ");
+    let frames = record.frames.iter().flat_map(|frames| &frames.rows).filter(|series| !series.is_control());
+    let of_frames = frames.filter(|series| !series.is_of_this_version()).map(|series| &series.tracer);
+    let of_rows = record.rows.iter().filter(|row| !row.is_of_this_version()).map(|row| &row.tracer);
+    let stale = of_rows.chain(of_frames).map(TracerRecord::label).unique().join(", ");
     let stale = (!stale.is_empty()).then(|| {
         format!(
             "Measured by an older version of what makes a row ({}): {}.",

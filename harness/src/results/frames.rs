@@ -190,6 +190,11 @@ impl FrameSeries {
     pub fn is_control(&self) -> bool {
         self.tracer.preset == "control"
     }
+
+    /// Whether the sources that made it are those of this program.
+    pub fn is_of_this_version(&self) -> bool {
+        self.fingerprint.as_deref() == crate::machine::fingerprint(&self.tracer.name)
+    }
 }
 
 impl FrameRow {

@@ -156,8 +156,8 @@ impl Record {
             ("pareto", self.pareto.is_some()),
             ("need", self.need.is_some()),
             ("attack", self.attack.is_some()),
-            ("frames", self.frames.is_some()),
             ("table", self.table.is_some()),
+            ("frames", self.frames.is_some()),
             ("sweep", self.sweep.is_some()),
         ];
         sections.into_iter().find(|(_, is_there)| *is_there).map_or("run", |(verb, _)| verb)

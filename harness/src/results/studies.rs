@@ -70,10 +70,15 @@ records! {
     }
 }
 
+/// Whether a row has these parameters and resolutions.
+fn is_at(row: &Row, parameters: &BTreeMap<String, serde_json::Value>, frame: [u32; 2], face: u32) -> bool {
+    row.tracer.parameters == *parameters && (row.viewpoint.frame, row.viewpoint.face) == (frame, face)
+}
+
 impl PointRecord {
     /// Whether a run is this point's.
     pub fn is_of(&self, row: &Row) -> bool {
-        row.tracer.parameters == self.parameters && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
+        is_at(row, &self.parameters, self.frame, self.face)
     }
 
     /// What it has on the axes as `name=value`, without those where it has the tracer's own.
@@ -210,9 +215,7 @@ impl FrontScene {
 impl FrontPoint {
     /// Whether a row is this point's: it may follow something, or be seen from anywhere.
     pub fn is_of(&self, row: &Row) -> bool {
-        row.tracer.name == self.tracer
-            && row.tracer.parameters == self.parameters
-            && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
+        row.tracer.name == self.tracer && is_at(row, &self.parameters, self.frame, self.face)
     }
 
     /// The tracer with its preset unless it is the published one.
@@ -293,7 +296,7 @@ pub fn values_label(values: &BTreeMap<String, String>) -> String {
 impl NeedPoint {
     /// Whether a row is this point's, in whatever place.
     pub fn is_of(&self, row: &Row) -> bool {
-        row.tracer.parameters == self.parameters && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
+        is_at(row, &self.parameters, self.frame, self.face)
     }
 
     /// What is shrunk, as `name=value`.

@@ -14,6 +14,10 @@ impl Bench {
                 set_times(trace, 5.0);
             }
         }
+        // Its times are made up, so the machine's own drift is not theirs.
+        for set in run["interleaved_sets"].as_array_mut().unwrap() {
+            set["drift"] = json!(false);
+        }
         self.write_run(&run, out);
         run
     }

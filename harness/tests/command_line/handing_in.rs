@@ -114,8 +114,10 @@ fn what_is_handed_in_is_checked() {
         write(&changed("/machine/os", json!(os)));
         fails(&[&format!("it has \"{part}\", a path or a user's name"), "relative paths"]);
     }
-    // Of what lies beside it.
+    // Of what lies beside it: its page may, as verbs that measure leave it.
     write(&sound);
+    let page = ["report", "--quiet", "results/box-run", "--html", "results/box-run/report.html"];
+    assert_eq!(bench.call(&page).status, 0);
     passes();
     let summary = std::fs::read_to_string(folder.join("summary.md")).unwrap();
     std::fs::write(folder.join("summary.md"), summary.replacen("bvh-cpu", "bvh-gpu", 1)).unwrap();

@@ -19,6 +19,30 @@ fn table(bench: &Bench, name: &str, out: &str, arguments: &[&str]) -> Outcome {
     outcome
 }
 
+/// Proves that a table of frames is written with its claims, that it is measured over in its own folder and by its own verb alone, and that
+/// options of rounds are refused.
+#[test]
+fn a_table_of_frames() {
+    let bench = Bench::new();
+    let words =
+        ["table", "dirt-reuse", "--quiet", "--scene", "cloth", "--preset", "smoke", "--size", "16x8", "--out", "out"];
+    for _ in 0..2 {
+        let outcome = bench.call(&words);
+        assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+        assert!(
+            outcome.page.contains("| views of frame |") && outcome.page.contains("dirt-static-reuse"),
+            "{outcome:?}"
+        );
+    }
+    let run = bench.result("out");
+    assert_eq!((run["table"].as_str(), run["frames"]["rows"].as_array().map(Vec::len)), (Some("dirt-reuse"), Some(5)));
+    let frames = ["frames", "--quiet", "--tracer", "bvh-cpu", "--preset", "smoke", "--out", "out"];
+    bench.fails(&frames, 2, &["what `table` measured"]);
+    for more in [&["--tuned", "out"][..], &["--estimate", "out"], &["--samples", "3"], &["--time-limit", "1"]] {
+        bench.fails(&[&words[..words.len() - 2], more].concat(), 2, &[more[0], "dirt-reuse is of frames"]);
+    }
+}
+
 /// Proves that a sweep has a row for every combination, that page, chart and verdicts are written, tell published values and
 /// every claim of the table, and that `report` and `--from` make the same files from run.json alone.
 #[test]

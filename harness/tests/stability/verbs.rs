@@ -8,7 +8,7 @@ use tracebench_api::{TraceTo, TracerError};
 use tracebench_harness::cases::find;
 use tracebench_harness::files::OutputFolder;
 use tracebench_harness::judge::WRONG_RAYS_PER_CAUSE;
-use tracebench_harness::measure::execute;
+use tracebench_harness::measure::execute_all;
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
 use tracebench_harness::report::{MAX_BYTES, Makers, html_page, write_derived};
@@ -48,7 +48,7 @@ fn axis(request: &TracerRequest) -> AxisRecord {
 type Verb = fn(&[TracerRequest], &Context<'_>) -> Vec<Record>;
 
 const VERBS: &[(&str, Verb)] = &[
-    ("run", |tracers, context| vec![execute(&plan("candy", tracers), context).unwrap()]),
+    ("run", |tracers, context| vec![execute_all(&[plan("candy", tracers)], context).unwrap()]),
     ("sweep", |tracers, context| {
         let sweep = |request: &TracerRequest| {
             let plan = plan("candy", std::slice::from_ref(request));
@@ -85,7 +85,7 @@ const VERBS: &[(&str, Verb)] = &[
         vec![measure(&[case], &tracers.iter().map(candidate).collect::<Vec<_>>(), context).unwrap()]
     }),
     ("table bvh", |tracers, context| {
-        vec![execute(&Plan { table: Some("bvh"), ..plan("candy", tracers) }, context).unwrap()]
+        vec![execute_all(&[Plan { table: Some("bvh"), ..plan("candy", tracers) }], context).unwrap()]
     }),
 ];
 

@@ -27,11 +27,12 @@ pub(super) fn section(command: &str, all: &[Read<'_>]) -> String {
 /// The command of a record, without its folder.
 fn of_record(record: &Record) -> String {
     let verb = Study::of(record).verb;
-    let mut words = vec!["tracebench".to_owned(), verb.to_owned()];
+    let mut words = vec!["tracebench".to_owned()];
     // Tables have their own tracers.
-    match record.table.as_ref().filter(|_| verb == "table") {
-        Some(table) => words.push(quoted(table)),
+    match &record.table {
+        Some(table) => words.extend(["table".to_owned(), quoted(table)]),
         None => {
+            words.push(verb.to_owned());
             option(&mut words, "--tracer", record.rows.iter().map(|row| config(&row.tracer.name, &row.tracer.preset)));
         }
     }

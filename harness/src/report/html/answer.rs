@@ -1,4 +1,4 @@
-//! The first screen: which to choose for what, and why.
+//! Which to choose for what, and why.
 
 use std::fmt::Write as _;
 
@@ -59,7 +59,7 @@ pub(super) fn section(
     html
 }
 
-/// So many records are named in a sentence of the first screen; all stand further below.
+/// So many records are named in a sentence; all stand further below.
 const MAX_NAMED: usize = 2;
 
 /// What speaks against records.

@@ -69,10 +69,14 @@ fn sentences(cases: &[&Place<'_>], machine: Option<usize>) -> String {
         count("ray set", rays)
     );
     for aim in Aim::ALL {
-        let won = winners(cases, aim);
-        let rest = if won.len() > MAX_NAMED { format!(", {} others", won.len() - MAX_NAMED) } else { String::new() };
-        let named = won[..won.len().min(MAX_NAMED)].join(", ");
-        html += &item(&format!("{} is {named}{rest}{}.", capitalised(aim.name()), unsure(cases)));
+        let (won, nobody) = winners(cases, aim);
+        let others = match won.len().saturating_sub(MAX_NAMED) {
+            0 => None,
+            1 => Some("1 other".to_owned()),
+            count => Some(format!("{count} others")),
+        };
+        let named = won.into_iter().take(MAX_NAMED).chain(others).chain(nobody).join(", ");
+        html += &item(&format!("{} is {named}{}.", capitalised(aim.name()), unsure(cases)));
     }
     html + "</ul>\n"
 }
@@ -81,7 +85,7 @@ fn item(html: &str) -> String {
     format!("<li>{html}</li>\n")
 }
 
-fn capitalised(name: &str) -> String {
+pub(super) fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
@@ -121,8 +125,8 @@ fn cases_of<'p, 'a>(places: &'p [Place<'a>], machine: usize) -> Vec<&'p Place<'a
 }
 
 /// Who is best for a need, in words: every tracer with how many cases it has and in how many of these another may be as good, the most
-/// first; nobody comes last.
-fn winners(cases: &[&Place<'_>], aim: Aim) -> Vec<String> {
+/// first; and nobody, if that is so in some.
+fn winners(cases: &[&Place<'_>], aim: Aim) -> (Vec<String>, Option<String>) {
     let won = gathered(cases.iter().map(|place| {
         let found = best(place.field, &place.field.entries, place.by, ASKED, aim);
         let noisy = found.as_ref().is_some_and(|found| is_within_noise(place, ASKED, aim, found));
@@ -138,7 +142,9 @@ fn winners(cases: &[&Place<'_>], aim: Aim) -> Vec<String> {
             (all, noisy) => format!("{name} (in {count} of {all}, {noisy} of them within noise)"),
         }
     };
-    counted.sorted_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count))).map(each).collect()
+    let (won, nobody): (Vec<_>, Vec<_>) =
+        counted.sorted_by_key(|(_, count, _)| std::cmp::Reverse(*count)).partition(|(tracer, ..)| tracer.is_some());
+    (won.into_iter().map(each).collect(), nobody.into_iter().map(each).next())
 }
 
 /// In how many cases there are too few rays to tell.
@@ -165,6 +171,9 @@ fn said(cases: &[&Place<'_>]) -> String {
         (least, most) if least == most => format!(", of {most} tracers"),
         (least, most) => format!(", of {least} to {most} tracers"),
     };
-    let winners = Aim::ALL.map(|aim| format!("{} {}", aim.name(), winners(cases, aim).join(", ")));
+    let winners = Aim::ALL.map(|aim| {
+        let (won, nobody) = winners(cases, aim);
+        format!("{} {}", aim.name(), won.into_iter().chain(nobody).join(", "))
+    });
     format!("{where_to}{of}: {}{}", winners.join("; "), unsure(cases))
 }

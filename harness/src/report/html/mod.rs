@@ -146,11 +146,15 @@ pub fn page(
     let answer = answer::section(&places, &all, &machines, &copies, &names);
     let again = again::section(command, &all);
     let copies: Vec<String> = copies.iter().map(|[copy, of]| format!("{copy}: the same as {of}")).collect();
+    let title = if places.is_empty() { "what was measured" } else { "which tracer to take" };
+    let heading = first::capitalised(title);
     // What is left out is named once more below.
     let copies = listed("Records that are given twice", &copies) + &listed("Not or not wholly measured", missing);
     let whole = |sections: &str, left_out: &str| {
         format!(
             include_str!("page.html"),
+            title = title,
+            heading = heading,
             style = STYLE,
             first = first,
             links = links,

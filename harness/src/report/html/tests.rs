@@ -144,6 +144,12 @@ fn the_first_screen_answers() {
     let (fronts, links) = first(&[("fronts", planted())]);
     assert!(fronts.contains("<li>Fastest is <strong>fair</strong> (in 2 of 2"), "{fronts}");
     assert_eq!((fronts.matches("<li>").count(), fronts.matches("<svg ").count(), links), (3, 1, 3), "{fronts}");
+    // The front of where the fewest are right often enough.
+    let with = |other| fixture::fronts(&[point("exact", 0.0, 1.0, 40, 4.0), other], &SETS, 30.0);
+    let (easy, hard) = (with(point("fair", 0.0004, 4.0, 30, 0.5)), with(point("rough", 0.2, 9.0, 8, 1.0)));
+    let (both, _) = first(&[("easy", easy), ("hard", hard)]);
+    let chart = part(&both, "<figure", "</figure>");
+    assert!(chart.contains(">rough</text>") && !chart.contains(">fair</text>"), "{chart}");
     let cases = || Record { cases: Some(CasesRecord { cases: Vec::new() }), ..fixture::typical() };
     let (matrix, _) = first(&[("cases", cases())]);
     assert!(matrix.contains("<li>0 of 0 cells fail more or less than expected"), "{matrix}");

@@ -41,7 +41,8 @@ fn cases(stability: &Stability) -> String {
 /// What part of each structure is needed.
 fn needs(record: &Record, section: &NeedRecord) -> Vec<String> {
     let curves = need::curves(record, section);
-    let own = curves.iter().filter(|curve| curve.section.view == 0);
+    // Of what has nothing to shrink nothing is told.
+    let own = curves.iter().filter(|curve| curve.section.view == 0 && curve.steps().next().is_some());
     let sentence = |((scene, rays), here): ((&String, &str), Vec<&need::Curve<'_>>)| {
         let part = |curve: &&need::Curve<'_>| {
             let (whole, needed) = (curve.whole.bytes()?, curve.needed(false).bytes()?);
@@ -51,10 +52,13 @@ fn needs(record: &Record, section: &NeedRecord) -> Vec<String> {
         let all: Vec<Option<String>> = here.iter().map(part).collect();
         let whole = all.iter().filter(|told| told.is_none()).count();
         let shrinks = all.into_iter().flatten().join(", ");
-        format!(
-            "{scene}, {rays}: {shrinks}{}{whole} need all that they store.",
-            if shrinks.is_empty() { "" } else { "; " }
-        )
+        let whole = match whole {
+            0 => None,
+            1 => Some("1 needs all that it stores".to_owned()),
+            count => Some(format!("{count} need all that they store")),
+        };
+        let parts = Some(shrinks).filter(|shrinks| !shrinks.is_empty()).into_iter().chain(whole);
+        format!("{scene}, {rays}: {}.", parts.into_iter().join("; "))
     };
     let by_place = gathered(own.map(|curve| ((&curve.section.scene, curve.rays), curve)));
     by_place.into_iter().take(MAX_CASES).map(sentence).collect()

@@ -1,5 +1,6 @@
 //! Frames of a tracer that is right, of one that sees from its own eye alone, and of one that errs in every other frame.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use glam::Vec3;
@@ -245,7 +246,11 @@ fn every_other_frame_is_found() {
     }
     let page = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
     let text = |name: &str| String::from_utf8(page.iter().find(|(file, _)| file == name).unwrap().1.clone()).unwrap();
-    for part in ["| blinker | 1 build; 3 rebuild |", "**Exact tracers without at most", "in every frame: bvh-cpu."] {
+    for part in [
+        "| blinker | 1 build; 3 rebuild |",
+        "**Exact tracers without at most",
+        "wherever no structure is stale: bvh-cpu.",
+    ] {
         assert!(text("frames.md").contains(part), "no '{part}' in {}", text("frames.md"));
     }
     assert_eq!(text("frames.csv").lines().count(), 1 + 4 * section.rows.len());
@@ -262,9 +267,13 @@ fn beyond_the_floor(
     let whole = plan(scene, &[], 0);
     let plan = Plan { tracers, preset: RunPreset { ray_image: size, ..whole.preset }, ..whole };
     let asked = request(&Effect::ALL, 2, Moves::Both, Updates::Auto);
-    let section = measured_on(device, &plan, &asked).unwrap().frames.unwrap();
+    let record = measured_on(device, &plan, &asked).unwrap();
+    let section = record.frames.unwrap();
     let exact: Vec<&FrameSeries> = section.rows.iter().filter(|row| row.floor_holds.is_some()).collect();
-    assert!(exact.len() >= Effect::ALL.len(), "{scene}: {}", exact.len());
+    // Every tracer with every effect, but for what this machine does not have.
+    assert!(record.skipped.iter().all(|skipped| skipped.reason.contains("not available")), "{:?}", record.skipped);
+    let missing: BTreeSet<&String> = record.skipped.iter().filter_map(|skipped| skipped.tracer.as_ref()).collect();
+    assert_eq!(exact.len(), Effect::ALL.len() * (plan.tracers.len() - missing.len()), "{scene}");
     for row in exact.iter().flat_map(|row| &row.frames).flat_map(|row| row.works.values()) {
         let image = row.image.as_ref().unwrap();
         assert_eq!(image.beyond, image.beyond_by_wave.values().sum::<u64>());
@@ -294,7 +303,7 @@ fn exact_tracers_keep_to_the_floor_in_every_scene() {
 }
 
 /// Proves that a tracer which takes no longer for its work twice than for once leaves the traces of its interleaved set without times, with
-/// the reason, while answers stand; and that one which is too quick, or sampled in too few frames, is not judged and has its times.
+/// the reason, while answers stand; and that one which is sampled in too few frames is not judged and has its times.
 #[test]
 fn a_clock_that_does_not_see_double_work_is_found() {
     let asked = |frames: u32| request(&[Effect::Depth], frames, Moves::Camera, Updates::Reuse);
@@ -310,11 +319,9 @@ fn a_clock_that_does_not_see_double_work_is_found() {
         works(series, "depth").iter().map(|work| work.waves[0].judged > 0 && work.waves[0].trace_ms.is_some()).collect()
     };
     assert!(works(&lazy, "depth").iter().all(|work| work.waves[0].judged == 384) && !waves(&lazy).contains(&true));
-    for (name, frames) in [("lazy", 11), ("bvh-cpu", 12)] {
-        let (series, set) = told(name, frames);
-        assert!(series.invalid.is_none() && set.doubled_work[0].not_judged.is_some());
-        assert!(!waves(&series).contains(&false));
-    }
+    let (few, set) = told("lazy", 11);
+    assert!(few.invalid.is_none() && set.doubled_work[0].not_judged.is_some());
+    assert!(!waves(&few).contains(&false));
 }
 
 /// Proves that where nothing moves and structures are rebuilt nothing flickers, of any tracer; and that what is reused, where nothing that

@@ -122,7 +122,7 @@ fn changed(first: &[Option<bool>], own: &[Option<bool>]) -> ChangedRays {
 /// Measures every tracer of a plan in every scene; what could not be is skipped with the reason.
 ///
 /// # Errors
-/// As [`measure::execute`].
+/// As [`measure::execute_all`].
 pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
     // What is wrong with the last scene is said before the first is measured.
     drop(measure::load(plan, context.progress)?);

@@ -99,7 +99,7 @@ impl Pareto {
     /// Measures every point in every scene; what could not be is skipped with the reason.
     ///
     /// # Errors
-    /// As [`measure::execute`].
+    /// As [`measure::execute_all`].
     pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
         // What is wrong with the last scene is said before the first is measured.
         drop(measure::load(&self.plan, context.progress)?);

@@ -93,7 +93,7 @@ impl Sweep {
     /// Measures every point in every scene; what could not be is skipped with the reason.
     ///
     /// # Errors
-    /// As [`measure::execute`].
+    /// As [`measure::execute_all`].
     pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
         context.check_rays(&self.plan)?;
         let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
