@@ -286,7 +286,7 @@ fn through_every_verb(text: &[u8], whole: &[(String, Record)]) -> Result<Outcome
     }
     let mut beside: Vec<(String, Record)> = vec![("damaged".to_owned(), run.clone())];
     beside.extend(whole.iter().filter(|(_, other)| other.verb() == run.verb()).take(1).cloned());
-    let makers = Makers { tables: tables::of_run, claims: papers::claims_of };
+    let makers: Makers = (tables::of_run, papers::claims_of);
     let _ = report::html_page(&beside, &[], makers, "tracebench report", MAX_BYTES).map(|page| page.html.len());
     for (_, other) in &beside {
         let found = compare::compare(("a", &run), ("b", other), 0.05);

@@ -60,7 +60,7 @@ pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result
     write_page(file, (&folder, &name), &arguments.paths, Vec::new(), progress)
 }
 
-const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
+const MAKERS: Makers = (tables::of_run, papers::claims_of);
 
 /// Writes one page of all records, with what is missing beside them.
 pub(super) fn write_page(

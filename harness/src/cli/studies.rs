@@ -230,7 +230,7 @@ pub(super) fn frames(arguments: &FramesArguments, progress: &Progress) -> Result
         return refuse(format!("--tracer: {tracers} tracers, at most {MAX_RESIDENT} follow at a time"));
     }
     let page = (report::FRAMES_PAGE, None);
-    let record = work.study(request.describe(), page, |context| frames::execute(&work.plan, &request, context))?;
+    let record = work.study(json!(request), page, |context| frames::execute(&work.plan, &request, context))?;
     all_measured(&work.plan, &record)?;
     record.frames.as_ref().and_then(FramesRecord::fault).map_or(Ok(()), fail)
 }

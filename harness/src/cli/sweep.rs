@@ -17,7 +17,6 @@ use crate::registry::{self, Registration, TRACERS};
 use crate::report;
 use crate::results::{AxisRecord, CHOOSE};
 use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
-use crate::studies::tune::Tune;
 
 #[derive(Args)]
 pub(super) struct SweepArguments {
@@ -207,35 +206,24 @@ fn refused(error: &SweepError, option: &str) -> CliError {
 pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
     let axes = arguments.axes(&arguments.request()?)?;
-    if let Some(rule) = arguments.choose.as_deref().and_then(|name| rule(name).ok()) {
-        return choose(arguments, rule, progress);
-    }
-    let grid = arguments.grid.is_some();
+    let (grid, by) = (arguments.grid.is_some(), arguments.choose.as_deref().and_then(|name| rule(name).ok()));
     let sweep = |plan: &Plan, axes: Vec<AxisRecord>| {
         let option = if grid { "--grid" } else { "--over" };
-        Sweep::new(plan, axes, grid).map_err(|error| refused(&error, option))
+        let sweep = Sweep::new(plan, axes, grid).map_err(|error| refused(&error, option))?;
+        Ok::<_, CliError>(if let Some(rule) = by { sweep.choosing(rule) } else { sweep })
     };
     sweep(&arguments.work.plan(arguments.selection()?, || false)?, axes)?;
-    let work = Work::prepare(&arguments.work, || arguments.selection(), "sweep", progress)?;
+    let verb = if by.is_some() { CHOOSE } else { "sweep" };
+    let work = Work::prepare(&arguments.work, || arguments.selection(), verb, progress)?;
     // By the means that it has here; and the preset of the adapter's kind may have other edges.
     let axes = arguments.axes(&work.plan.tracers[0])?;
     let sweep = sweep(&work.plan, axes.clone()).inspect_err(|_| work.bench.out.abandon())?;
     progress.say(&format!("{} points", sweep.size()));
-    let words = json!({ "axes": axes, "grid": grid });
+    let words = match by {
+        Some(rule) => json!({ "axis": axes.first(), "rule": rule }),
+        None => json!({ "axes": axes, "grid": grid }),
+    };
     work.study(words, (report::SWEEP_PAGE, None), |context| sweep.execute(context)).map(drop)
-}
-
-/// Shows what the choice of a parameter costs.
-fn choose(arguments: &SweepArguments, rule: Rule, progress: &Progress) -> Result<(), CliError> {
-    let work = Work::prepare(&arguments.work, || arguments.selection(), CHOOSE, progress)?;
-    // By the means that it has here.
-    let request = &work.plan.tracers[0];
-    let axis = arguments.axis(request)?;
-    let words = json!({ "axis": axis, "rule": rule });
-    let tune = Tune::new(&work.plan, request, axis, rule)
-        .map_err(|error| refused(&error, "--over"))
-        .inspect_err(|_| work.bench.out.abandon())?;
-    work.study(words, (report::TUNE_PAGE, None), |context| tune.execute(context)).map(drop)
 }
 
 #[cfg(test)]

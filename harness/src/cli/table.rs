@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use itertools::Itertools as _;
-use serde_json::Value;
+use serde_json::json;
 
 use super::arguments::TableArguments;
 use super::output::{print, print_head, print_page};
@@ -17,7 +17,7 @@ use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
 use crate::results::Record;
-use crate::studies::frames::{self, FramesRequest};
+use crate::studies::frames;
 use crate::studies::tune::{Label, Tuning};
 use crate::tables::{self, Table, exact};
 
@@ -61,7 +61,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Exact => exact::plans(&plan),
         Table::Settings(_) | Table::Claims(_) => vec![plan.clone()],
     };
-    let words = request.map_or(Value::Null, FramesRequest::describe);
+    let words = json!(request);
     let record = bench.measure(&plans, words, |context| match (request, plans.as_slice()) {
         (Some(request), [plan]) => frames::execute(plan, request, context),
         _ => measure::execute_all(&plans, context),

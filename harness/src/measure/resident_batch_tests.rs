@@ -16,7 +16,6 @@ use crate::rays::{RAY_SETS, default_parameters};
 use crate::registrations::{Registration, Told};
 use crate::results::{Record, SampleSchedule};
 use crate::studies::sweep::{Sweep, parameter_axis};
-use crate::studies::tune::Tune;
 use crate::truth::Cache;
 
 parameters! {
@@ -140,8 +139,8 @@ fn a_tuning_builds_one_structure() {
     for (parameter, structures) in [("search", 1), ("shape", 9)] {
         let described = description().parameters.into_iter().find(|each| each.name == parameter).unwrap();
         let axis = parameter_axis(&request(), &described, Some(&values)).unwrap();
-        let tune = Tune::new(&plan(), &request(), axis, Rule::Tight).unwrap();
-        let record = measured(|context| tune.execute(context));
+        let sweep = Sweep::new(&plan(), vec![axis], false).unwrap().choosing(Rule::Tight);
+        let record = measured(|context| sweep.execute(context));
         // From two viewpoints.
         assert_eq!(
             (record.rows.len(), BUILT.get(), MAX_HELD.get()),

@@ -80,6 +80,9 @@ pub(super) struct Evaluation<'a> {
     pub variables: Vec<(&'a str, Value<'a>)>,
 }
 
+/// What is done where steps lead to, and whether it wants more; none where something is missing.
+type End<'e, 'a> = dyn FnMut(&mut Evaluation<'a>) -> Option<bool> + 'e;
+
 impl<'a> Evaluation<'a> {
     pub(super) fn new(paper: &'a Paper, scenes: &'a [SceneRows<'a>], scene: &SceneRows<'a>) -> Self {
         Self { paper, scenes, page: None, variables: vec![(HERE, Value::Scene(scene.clone()))] }
@@ -107,7 +110,7 @@ impl<'a> Evaluation<'a> {
             Expression::Text(text) => Value::Text(text),
             Expression::Variable(name) => self.variable(name)?,
             Expression::List(all) => Value::List(self.values(all)?),
-            Expression::Rows { tracer, alike, values } => Value::List(self.rows(tracer, *alike, values)?),
+            Expression::Rows { tracer, alike, values } => self.rows(tracer, *alike, values)?,
             Expression::Sign(sign, sides) => {
                 let [left, right] = &**sides;
                 let (left, right) = (self.value(left)?, self.value(right)?);
@@ -151,12 +154,7 @@ impl<'a> Evaluation<'a> {
         self.variables.iter().rev().find(|(own, _)| *own == name).map(|(_, value)| value.clone())
     }
 
-    fn rows(
-        &mut self,
-        tracer: &'a Expression,
-        alike: bool,
-        values: &'a [(String, Expression)],
-    ) -> Option<Vec<Value<'a>>> {
+    fn rows(&mut self, tracer: &'a Expression, alike: bool, values: &'a [(String, Expression)]) -> Option<Value<'a>> {
         let tracer = self.value(tracer)?.text()?;
         let mut said = Vec::new();
         for (name, value) in values {
@@ -165,11 +163,11 @@ impl<'a> Evaluation<'a> {
         said.retain(|(_, value)| value != "first");
         let names: Vec<&str> = said.iter().map(|(name, _)| *name).collect();
         let is = |row: &&Row| said.iter().all(|(name, value)| value == ANY || has(row, name, value));
-        Some(if alike {
+        Some(Value::List(if alike {
             self.scene().differing_in(&tracer, &names).filter(is).map(Value::Row).collect()
         } else {
             self.scene().of_tracer(&tracer).filter(is).map(Value::Row).collect()
-        })
+        }))
     }
 
     fn signed(&self, sign: &str, left: Value<'a>, right: Value<'a>) -> Option<Value<'a>> {
@@ -217,16 +215,12 @@ impl<'a> Evaluation<'a> {
         }
         let name = if name.starts_with('$') { self.variable(name)?.text()? } else { name.to_owned() };
         let values = self.values(arguments)?;
-        let paper = self.paper;
-        if let Some((arguments, is)) = paper.told.functions.get(&name) {
+        if let Some((arguments, is)) = self.paper.function(&name) {
             let known = self.variables.len();
             self.variables.extend(arguments.iter().map(String::as_str).zip(values));
             let value = self.value(is);
             self.variables.truncate(known);
             return value;
-        }
-        if let Some((_, figure)) = paper.figures.iter().find(|(own, _)| *own == name) {
-            return figure(values.first()?.row()?).map(Value::from);
         }
         match FUNCTIONS.iter().find(|(own, _)| *own == name) {
             Some((_, function)) => function(self, Arguments(&values)),
@@ -245,24 +239,14 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Follows steps and does something wherever they lead to, as long as that wants more; none where something is missing and may not be.
-    fn follow(
-        &mut self,
-        steps: &'a [Step],
-        lenient: bool,
-        end: &mut dyn FnMut(&mut Self) -> Option<bool>,
-    ) -> Option<bool> {
+    fn follow(&mut self, steps: &'a [Step], lenient: bool, end: &mut End<'_, 'a>) -> Option<bool> {
         let known = self.variables.len();
         let wants_more = self.follow_on(steps, lenient, end);
         self.variables.truncate(known);
         wants_more.or(lenient.then_some(true))
     }
 
-    fn follow_on(
-        &mut self,
-        steps: &'a [Step],
-        lenient: bool,
-        end: &mut dyn FnMut(&mut Self) -> Option<bool>,
-    ) -> Option<bool> {
+    fn follow_on(&mut self, steps: &'a [Step], lenient: bool, end: &mut End<'_, 'a>) -> Option<bool> {
         let Some((step, rest)) = steps.split_first() else { return end(self) };
         let (names, all) = match step {
             Step::If(condition) if self.holds(condition)? => return self.follow(rest, lenient, end),

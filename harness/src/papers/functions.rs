@@ -6,12 +6,13 @@ use serde_json::json;
 use super::Scope;
 use super::estimate::Estimate;
 use super::evaluate::{Evaluation, Value};
-use super::page::measured::{Accurate, speed_with_accuracy, time_of};
-use super::rows::{self, beyond, parameter, right, same_hits, statistic, trace};
+use super::page::measured::{speed_with_accuracy, time_of};
+use super::rows::{self, beyond, has, parameter, right, same_hits, statistic, trace};
 use super::times::traced;
-use crate::report::format::thousands;
+use crate::report::format::{edges, thousands};
+use crate::report::metrics::closest;
 use crate::report::sheet::Cell;
-use crate::results::{ClosestJudgement, Judgement, OCCLUSION, Row, Timed, TraceRecord};
+use crate::results::{Judgement, OCCLUSION, Row, Timed, TraceRecord};
 use crate::statistics::wilson;
 
 /// What a function is told.
@@ -67,6 +68,7 @@ type Function = for<'a> fn(&Evaluation<'a>, Arguments<'_, 'a>) -> Option<Value<'
 pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     // Of a number.
     ("abs", |_, of| number(of.number(0)?.rising(f64::abs))),
+    ("ceil", |_, of| number(of.number(0)?.rising(f64::ceil))),
     ("ln", |_, of| number(of.number(0)?.rising(f64::ln))),
     ("round", |_, of| number(of.number(0)?.rising(f64::round))),
     ("sqrt", |_, of| number(of.number(0)?.rising(f64::sqrt))),
@@ -119,7 +121,9 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
         let all = at.scene().skipped.iter().filter(|skipped| skipped.tracer.as_deref() == Some(&*tracer));
         count(all.count() as u64)
     }),
-    // Of a row: a parameter, what its structure says, how much it says, its bytes in a scope, those of a part, and where it is.
+    // Of a row: whether a parameter has a value, its number, what its structure says, how much it says, its bytes in a scope, those of a
+    // part, and where it is.
+    ("has", |_, of| Some(has(of.row(0)?, &of.text(1)?, &of.text(2)?).into())),
     ("value", |_, of| parameter(of.row(0)?, &of.text(1)?).map(Value::from)),
     ("told", |_, of| statistic(of.row(0)?, &of.text(1)?).map(Value::from)),
     // Of a row by frames a figure of one of its works: pairs of the frame's number and the figure, of frames that have one.
@@ -133,12 +137,8 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     }),
     ("statistics", |_, of| count(of.row(0)?.structure_statistics.len() as u64)),
     ("bytes", |at, of| {
-        let scope = match of.text(1).as_deref() {
-            None => Scope::Structure,
-            Some("with_trace") => Scope::WithTrace,
-            Some("of_paper") => Scope::OfPaper,
-            Some(_) => return None,
-        };
+        let name = of.text(1).unwrap_or_else(|| Scope::Structure.name().to_owned());
+        let scope = Scope::ALL.into_iter().find(|scope| scope.name() == name)?;
         at.paper.bytes(of.row(0)?, scope).map(Value::from)
     }),
     ("used", |_, of| {
@@ -255,10 +255,7 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     ("tracer", |_, of| shown(of.row(0)?.label().into())),
     ("tracer_name", |_, of| Some(Value::Text(&of.row(0)?.tracer.name))),
     ("seconds", |_, of| shown(of.row(0)?.viewpoint.time_s.to_string().into())),
-    ("image", |_, of| {
-        let [width, height] = of.row(0)?.viewpoint.ray_image;
-        shown(format!("{width}x{height}").into())
-    }),
+    ("image", |_, of| shown(edges(of.row(0)?.viewpoint.ray_image).into())),
     // Times of ray sets and speeds, with the accuracy of the same rays.
     ("taken", |_, of| {
         let sets = of.texts(1)?;
@@ -282,9 +279,8 @@ fn shown<'a>(cell: Cell) -> Option<Value<'a>> {
     Some(Value::Shown(cell, number))
 }
 
-fn told<'a>(accurate: Accurate) -> Option<Value<'a>> {
-    let value = accurate.value;
-    Some(Value::Shown(accurate.into(), value))
+fn told<'a>((value, cell): (f64, Cell)) -> Option<Value<'a>> {
+    Some(Value::Shown(cell, value))
 }
 
 fn pairs(labels: &[String]) -> Vec<(&str, &str)> {
@@ -297,10 +293,6 @@ fn number<'a>(number: Estimate) -> Option<Value<'a>> {
 
 fn count<'a>(count: u64) -> Option<Value<'a>> {
     Some((count as f64).into())
-}
-
-fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
-    if let Judgement::Closest(closest) = &trace.judgement { Some(closest) } else { None }
 }
 
 /// Rays that are wrong for their start under a rule: they leave out what is near it, or take the wrong side of the surface that they start on.
@@ -329,14 +321,13 @@ fn of_kinds(trace: &TraceRecord, kinds: &[String]) -> Option<[u64; 2]> {
             _ => return None,
         };
         Some(match kind {
-            "false_miss" => classes.false_miss,
-            "false_hit" => classes.false_hit,
-            "early" => classes.early,
-            "late" => classes.late,
             "wrong" => classes.wrong(),
             "starts" => starts(trace, rule),
             "wrong_but_starts" => classes.wrong().saturating_sub(starts(trace, rule)),
-            cause => closest.causes.get(rule)?.get(cause).copied().unwrap_or(0),
+            kind => match json!(classes)[kind].as_u64() {
+                Some(of_class) => of_class,
+                None => closest.causes.get(rule)?.get(kind).copied().unwrap_or(0),
+            },
         })
     };
     let found = kinds.iter().map(of_kind).sum::<Option<u64>>()?;

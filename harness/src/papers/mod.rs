@@ -1,14 +1,13 @@
 //! What the papers measured: their published values and claims as data, experiments that measure the same here, and verdicts on
 //! the claims.
 //!
-//! Every paper has a folder with all that is its own; what stands beside the folders knows none of them, nor any tracer. A
+//! Every paper has a folder with all that is its own, which is data; what stands beside the folders knows none of them, nor any tracer. A
 //! folder's `published.json` and `claims.json` hold facts and figures with their scopes, read out of the paper's text. A figure
 //! that only a lost picture has is `null`. How a claim is decided stands with it: which table measures which quantity of every
 //! scene, and the range that it must lie in. Experiments, quantities, tables and charts of pages are data too, in the words that
 //! `expression.rs` tells.
 
 mod claims;
-mod dirt;
 mod duration;
 mod estimate;
 mod evaluate;
@@ -18,7 +17,6 @@ mod expression;
 mod fixture;
 mod frames;
 mod functions;
-mod hhz14;
 mod page;
 mod part;
 mod published;
@@ -28,8 +26,6 @@ mod rows;
 mod tests;
 mod times;
 mod verdict;
-mod vvp16;
-mod wkp15;
 
 pub use claims::{Claim, Over, Rule, Test};
 pub use duration::Duration;
@@ -47,16 +43,12 @@ pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all
 use std::sync::LazyLock;
 
 use serde::Deserialize;
-use tracebench_api::{MemoryEntry, TraceTo};
+use tracebench_api::{MemoryEntry, TraceTo, named};
 
 use crate::plan::RunPreset;
+use crate::registrations::embedded;
 use crate::results::Row;
-
-/// Every paper, in the order of lists.
-pub static PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER, &wkp15::PAPER];
-
-/// A figure of a row.
-type Figure = fn(&Row) -> Option<f64>;
+use evaluate::{Evaluation, Value};
 
 /// A paper: what its folder holds.
 #[derive(Debug)]
@@ -77,31 +69,42 @@ pub struct Paper {
     pages: LazyLock<page::told::Told>,
     /// What is particular of it: `paper.json`.
     own: LazyLock<Own>,
-    /// Figures of a row that have their own maths, by name, for what decides claims.
-    figures: &'static [(&'static str, Figure)],
-    /// Bytes of what the formulas of papers count: those parts of the structure, and of a trace the buffers in the paper's own set-up,
-    /// which are not allocated here. None of tracers that no formula is about.
-    by_formula: Figure,
 }
 
-/// The paper of the folder in which this stands: its name, figures and bytes by formula.
-macro_rules! paper {
-    ($name:literal, $figures:expr, $by_formula:expr) => {
-        $crate::papers::Paper {
+/// Declares papers by the names of their folders.
+macro_rules! papers {
+    ($($(#[$doc:meta])* $PAPER:ident = $name:literal;)+) => {
+        $($(#[$doc])* static $PAPER: Paper = Paper {
             name: $name,
             claims_table: concat!($name, "-claims"),
-            experiments: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("experiments.json"))),
-            published: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("published.json"))),
-            claims: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("claims.json"))),
-            told: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("quantities.json"))),
-            pages: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("pages.json"))),
-            own: std::sync::LazyLock::new(|| $crate::registrations::embedded(include_str!("paper.json"))),
-            figures: $figures,
-            by_formula: $by_formula,
-        }
+            experiments: LazyLock::new(|| embedded(include_str!(concat!($name, "/experiments.json")))),
+            published: LazyLock::new(|| embedded(include_str!(concat!($name, "/published.json")))),
+            claims: LazyLock::new(|| embedded(include_str!(concat!($name, "/claims.json")))),
+            told: LazyLock::new(|| embedded(include_str!(concat!($name, "/quantities.json")))),
+            pages: LazyLock::new(|| embedded(include_str!(concat!($name, "/pages.json")))),
+            own: LazyLock::new(|| embedded(include_str!(concat!($name, "/paper.json")))),
+        };)+
+
+        /// Every paper, in the order of lists.
+        pub static PAPERS: &[&Paper] = &[$(&$PAPER),+];
     };
 }
-use paper;
+
+papers! {
+    /// Vardis, Vasilakis, Papaioannou: *DIRT: Deferred Image-based Ray Tracing*, HPG 2016. Its Table 3 counts depth bounds and lists as they
+    /// are; a ray starts from every pixel of the frame (R_h), and each has head and node of the hit buffer, three shading points and the
+    /// mask. It leaves the vertex buffer out, which rasterization has, and knows neither triangle setup nor copies in textures.
+    DIRT = "dirt";
+    /// Vardis, Vasilakis, Papaioannou: *A Multiview and Multilayer Approach for Interactive Ray Tracing*, I3D 2016. Its Table 2 counts the
+    /// words of pixels (m_p), the id buffer (m_f) and the data buffer, of which the ledger has a part a view where one binding is too small;
+    /// of bytes where data is not apart it does not speak. Papers that measured themselves beside its A-buffer take its formula.
+    VVP16 = "vvp16";
+    /// Hu, Huang, Zhang, Yuan, Li: *Ray tracing via GPU rasterization*, The Visual Computer 30 (2014). It tells no bytes.
+    HHZ14 = "hhz14";
+    /// Widmer, Pająk, Schulz, Pulli, Kautz, Goesele, Luebke: *An Adaptive Acceleration Structure for Screen-space Ray Tracing*, HPG 2015. It
+    /// tells bytes of a node alone.
+    WKP15 = "wkp15";
+}
 
 /// What is particular of a paper.
 #[derive(Debug, Deserialize)]
@@ -110,8 +113,8 @@ struct Own {
     /// Ray sets that are traced within minutes where an experiment has them.
     #[serde(borrow)]
     few_rays: Vec<&'static str>,
-    /// Its own resolutions, if the run preset `paper` takes them.
-    at_paper: Option<Resolutions>,
+    /// Edges of the ray image and the frame, and of a cube face, that it measured at, if the run preset `paper` takes them.
+    at_paper: Option<([u32; 2], u32)>,
     /// Counts that structures say of themselves and its pages show, with their headings.
     counts: Vec<(&'static str, &'static str)>,
     /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
@@ -119,34 +122,17 @@ struct Own {
     of_a_trace: Vec<(&'static str, Vec<&'static str>)>,
 }
 
-/// Resolutions that a paper measured at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Resolutions {
-    /// Width and height of the ray image and of the frame.
-    image: [u32; 2],
-    /// Edge of a cube face.
-    face: u32,
-}
-
-/// What is counted as memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scope {
-    /// The structure alone, what it uses by its own ledger.
-    Structure,
-    /// With it those buffers of a trace that the paper counts, as the ledger has them.
-    WithTrace,
-    /// What the paper's formula counts of the structure, with the paper's own buffers, computed.
-    OfPaper,
-}
-
-impl Scope {
-    /// Every scope, with what it is called on pages.
-    pub(crate) const ALL: [(Self, &'static str); 3] = [
-        (Self::Structure, "structure alone, used (MiB) ↓"),
-        (Self::WithTrace, "with the buffers of a trace, by the ledger (MiB) ↓"),
-        (Self::OfPaper, "with the paper's own buffers, computed, not allocated (MiB) ↓"),
-    ];
+named! {
+    /// What is counted as memory.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum Scope {
+        /// The structure alone, what it uses by its own ledger.
+        Structure = "structure",
+        /// With it those buffers of a trace that the paper counts, as the ledger has them.
+        WithTrace = "with_trace",
+        /// What the paper's formula counts of the structure, with the paper's own buffers, computed.
+        OfPaper = "of_paper",
+    }
 }
 
 /// Finds an experiment by name, with its paper.
@@ -163,16 +149,30 @@ impl Paper {
     /// A run preset at the resolutions that this paper's tables have there.
     pub fn resolved(&self, preset: RunPreset) -> RunPreset {
         match self.own.at_paper {
-            Some(Resolutions { image, face }) if preset.name == "paper" => {
+            Some((image, face)) if preset.name == "paper" => {
                 RunPreset { ray_image: image, frame: image, face, ..preset }
             }
             _ => preset,
         }
     }
 
+    /// A function that its data tells, or that of the paper from which it takes some.
+    fn function(&self, name: &str) -> Option<&quantity::Function> {
+        let other = || PAPERS.iter().find(|paper| self.told.takes_from.as_deref() == Some(paper.name));
+        self.told.functions.get(name).or_else(|| other()?.told.functions.get(name))
+    }
+
     /// A quantity by name.
     pub fn quantity(&self, name: &str) -> Option<&Quantity> {
         self.told.quantities.iter().find(|quantity| quantity.name == name)
+    }
+
+    /// Bytes of what the formulas of papers count: those parts of the structure, and of a trace the buffers in the paper's own set-up,
+    /// which are not allocated here. None of tracers that no formula is about.
+    fn by_formula(&self, row: &Row) -> Option<f64> {
+        let (names, is) = self.function("by_formula")?;
+        let variables = names.iter().map(|name| (name.as_str(), Value::Row(row))).collect();
+        Some(Evaluation { paper: self, scenes: &[], page: None, variables }.value(is)?.number()?.value)
     }
 
     /// Bytes in a scope; none of a trace where none goes to surfaces.
@@ -188,7 +188,7 @@ impl Paper {
                 let of = self.own.of_a_trace.iter().find(|(tracer, _)| *tracer == row.tracer.name);
                 structure + used(&to_surfaces.per_trace, &|name| of.is_some_and(|(_, names)| names.contains(&name)))
             }
-            Scope::OfPaper => (self.by_formula)(row).unwrap_or(structure),
+            Scope::OfPaper => self.by_formula(row).unwrap_or(structure),
         })
     }
 }

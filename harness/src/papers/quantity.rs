@@ -21,12 +21,14 @@ pub struct OfScene {
 }
 
 /// Variables that hold what a function takes, and what it is.
-type Function = (Vec<String>, Expression);
+pub(super) type Function = (Vec<String>, Expression);
 
 /// What a paper's `quantities.json` tells.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Told {
+    /// A paper whose functions it takes, too.
+    pub takes_from: Option<String>,
     /// By name, from `share(row, rays)`.
     #[serde(deserialize_with = "functions")]
     pub functions: BTreeMap<String, Function>,

@@ -2,13 +2,22 @@
 
 use serde_json::json;
 
-use super::dirt::tests::{dirt, over_buckets};
 use super::fixture::{in_interleaved_sets, run_of, set_build};
-use super::vvp16::tests::variants;
 use super::*;
 use crate::plan::{RUN_PRESETS, TracerRequest};
 use crate::rays::RAY_SETS;
 use crate::results::Record;
+use of_dirt::{dirt, over_buckets};
+use of_vvp16::variants;
+
+#[path = "dirt/tests/mod.rs"]
+mod of_dirt;
+#[path = "hhz14/tests/mod.rs"]
+mod of_hhz14;
+#[path = "vvp16/tests/mod.rs"]
+mod of_vvp16;
+#[path = "wkp15/tests/mod.rs"]
+mod of_wkp15;
 
 /// What every paper printed.
 fn published() -> Vec<(&'static Paper, Published)> {
@@ -366,9 +375,9 @@ fn rasterization_is_timed_on_hardware_alone() {
 fn claims_are_set_together() {
     let of = |tile_size: u64, _| (1000, 1000.0 / tile_size as f64);
     let record = Record { table: Some("dirt-figure10".to_owned()), ..run_of(over_buckets("room", of)) };
-    let none = judge_all(&dirt::PAPER, &[]);
-    let of_vvp16 = judge_all(&vvp16::PAPER, &[]);
-    assert_eq!([none.len(), of_vvp16.len()], [&dirt::PAPER, &vvp16::PAPER].map(|paper| paper.claims.len()));
+    let none = judge_all(&DIRT, &[]);
+    let of_vvp16 = judge_all(&VVP16, &[]);
+    assert_eq!([none.len(), of_vvp16.len()], [&DIRT, &VVP16].map(|paper| paper.claims.len()));
     assert_eq!(of_vvp16.len(), 62);
     assert!(none.iter().all(|each| matches!(each.verdict, Verdict::NotMeasured | Verdict::NotMeasurable)));
     let missing = none.iter().find(|each| each.claim.id == "dirt-samples-2x2").unwrap();
@@ -376,11 +385,11 @@ fn claims_are_set_together() {
     // A run of the same table without the rows adds nothing to one that has them.
     let without = Record { rows: Vec::new(), ..record.clone() };
     for rows in [[record.clone(), without.clone()], [without, record.clone()]] {
-        let judged = judge_all(&dirt::PAPER, &rows);
+        let judged = judge_all(&DIRT, &rows);
         let found: Vec<_> = judged.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
         assert!(found.len() == 1 && found[0].verdict == Verdict::Holds);
     }
-    let twice = judge_all(&dirt::PAPER, &[record.clone(), record]);
+    let twice = judge_all(&DIRT, &[record.clone(), record]);
     let found: Vec<_> = twice.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
     assert!(found.len() == 2 && found.iter().all(|each| each.verdict == Verdict::Holds));
 }
@@ -484,16 +493,11 @@ fn told_functions_are_known() {
     let unknown = |paper: &Paper, text: &str| -> Vec<String> {
         let mut found = Vec::new();
         calls(&Expression::try_from(text.to_owned()).unwrap(), &mut found);
-        let is_known = |(name, arguments): &(String, Option<usize>)| match (paper.told.functions.get(name), arguments) {
+        let is_known = |(name, arguments): &(String, Option<usize>)| match (paper.function(name), arguments) {
             (Some((own, _)), Some(count)) => own.iter().filter(|argument| argument.len() > 1).count() == *count,
             (None, Some(_)) => {
                 let known = functions::FUNCTIONS.iter().any(|(own, _)| own == name);
-                let figure = paper.figures.iter().any(|(own, _)| own == name);
-                known
-                    || figure
-                    || name.starts_with('$')
-                    || MADE_ONE.contains(&&**name)
-                    || ["either", "words"].contains(&&**name)
+                known || name.starts_with('$') || MADE_ONE.contains(&&**name) || ["either", "words"].contains(&&**name)
             }
             (_, None) => MADE_ONE.contains(&&**name),
         };

@@ -104,13 +104,9 @@ impl JudgedClaim {
                 (Verdict::NotMeasured, format!("no record of `tracebench table {table}` was given"))
             }
         };
-        Self::without_values(claim, verdict, reason)
-    }
-
-    fn without_values(claim: &Claim, verdict: Verdict, reason: String) -> Self {
-        let (values, either, unit, median, scenes, measured_by) =
-            (Vec::new(), Vec::new(), String::new(), None, [0; 2], None);
-        Self { claim: claim.clone(), verdict, reason: Some(reason), values, either, unit, median, scenes, measured_by }
+        let (claim, reason, scenes) = (claim.clone(), Some(reason), [0; 2]);
+        let (values, either, unit, median, measured_by) = (Vec::new(), Vec::new(), String::new(), None, None);
+        Self { claim, verdict, reason, values, either, unit, median, scenes, measured_by }
     }
 }
 
@@ -121,8 +117,8 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
     };
     let quantities: Option<Vec<_>> = std::iter::once(name).chain(either).map(|name| paper.quantity(name)).collect();
     let Some((experiment, quantities)) = paper.experiment(table).zip(quantities) else {
-        let reason = format!("there is no table {table} or no quantity {name}");
-        return JudgedClaim::without_values(claim, Verdict::NotMeasured, reason);
+        let reason = Some(format!("there is no table {table} or no quantity {name}"));
+        return JudgedClaim { reason, ..JudgedClaim::unmeasured(claim) };
     };
     let about = rows.standing_for(experiment, scenes);
     // What stands for nothing decides nothing, and is shown all the same.

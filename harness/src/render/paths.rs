@@ -51,7 +51,7 @@ impl Paths {
         let count = size[0] * size[1] * spp;
         let ray = |path: u32| {
             let (pixel, sample) = (path / spp, path % spp);
-            let mut stream = Numbers { seed, pixel, sample }.stream(0, IN_PIXEL);
+            let mut stream = Numbers { seed, pixel, sample, bounce: 0 }.stream(IN_PIXEL);
             let [x, y] = if sample == 0 { [0.5; 2] } else { [stream.unit(), stream.unit()] };
             ray_through(viewpoint, &view, [f64::from(pixel % size[0]) + x, f64::from(pixel / size[0]) + y])
         };
@@ -102,8 +102,8 @@ impl Paths {
         }
         let bounce = (wave.number / 2) as u32;
         let step = |((path, ray), answer): ((&u32, &Ray), &Answer)| {
-            let numbers = Numbers { seed: self.seed, pixel: path / self.spp, sample: path % self.spp };
-            self.stage.step(self.effect, bounce, &Ray64::from(ray), answer, self.forward, numbers)
+            let numbers = Numbers { seed: self.seed, pixel: path / self.spp, sample: path % self.spp, bounce };
+            self.stage.step(self.effect, &Ray64::from(ray), answer, self.forward, numbers)
         };
         let steps: Vec<Step> = (wave.paths.par_iter().zip(wave.rays.par_iter()).zip(answers)).map(step).collect();
         let (mut shadows, mut onwards) = ((Vec::new(), Vec::new()), (Vec::new(), Vec::new()));

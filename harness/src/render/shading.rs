@@ -29,6 +29,8 @@ pub(super) struct Numbers {
     pub(super) pixel: u32,
     /// Below 2^16.
     pub(super) sample: u32,
+    /// The eye's is 0.
+    pub(super) bounce: u32,
 }
 
 /// Tags below are those of ray sets.
@@ -40,8 +42,8 @@ const OCCLUSION: u64 = 2;
 const DIMENSIONS: u64 = 4;
 
 impl Numbers {
-    pub(super) fn stream(self, bounce: u32, dimension: u64) -> Stream {
-        let tag = FIRST_TAG + u64::from(bounce) * DIMENSIONS + dimension;
+    pub(super) fn stream(self, dimension: u64) -> Stream {
+        let tag = FIRST_TAG + u64::from(self.bounce) * DIMENSIONS + dimension;
         Stream::new(self.seed, tag, u64::from(self.pixel) << 16 | u64::from(self.sample))
     }
 }
@@ -65,16 +67,8 @@ impl Stage {
         self.finishes.get(material as usize).copied().unwrap_or(none)
     }
 
-    /// What an answer to a ray of a bounce gives; the eye's is bounce 0. `forward` is the eye's direction.
-    pub(super) fn step(
-        &self,
-        effect: Effect,
-        bounce: u32,
-        ray: &Ray64,
-        answer: &Answer,
-        forward: DVec3,
-        numbers: Numbers,
-    ) -> Step {
+    /// What an answer to a ray of a bounce gives. `forward` is the eye's direction.
+    pub(super) fn step(&self, effect: Effect, ray: &Ray64, answer: &Answer, forward: DVec3, numbers: Numbers) -> Step {
         let light = |light| Step { light, ..Step::default() };
         let (position, normal, material) = match *answer {
             Answer::Hit { t, .. } | Answer::Lost { t } if effect == Effect::Depth => {
@@ -98,15 +92,15 @@ impl Stage {
         match effect {
             Effect::Normals => return light(((normal + 1.0) / 2.0).as_vec3()),
             Effect::Ao => {
-                let ray = leaves(cosine(&mut numbers.stream(bounce, OCCLUSION), normal));
+                let ray = leaves(cosine(&mut numbers.stream(OCCLUSION), normal));
                 let t_max = (AO_LENGTH_DIAGONALS * self.diagonal) as f32;
                 return Step { shadow: Some((Ray { t_max, ..ray }, Vec3::ONE)), ..Step::default() };
             }
-            Effect::Mirror if self.mirror_first && bounce == 0 => kind = Kind::Mirror,
+            Effect::Mirror if self.mirror_first && numbers.bounce == 0 => kind = Kind::Mirror,
             Effect::Mirror | Effect::Path => {}
             _ => kind = Kind::Lambert,
         }
-        let goes_on = bounce < effect.bounces();
+        let goes_on = numbers.bounce < effect.bounces();
         let onwards = |direction| goes_on.then(|| (leaves(direction), colour));
         let mirrored = reflect(ray.direction, normal);
         match kind {
@@ -122,7 +116,7 @@ impl Stage {
                 let shadow = towards(position, normal, self.light, self.diagonal).map(|ray| (ray, lit.max(Vec3::ZERO)));
                 let next = match effect {
                     Effect::Mirror => None,
-                    _ => onwards(cosine(&mut numbers.stream(bounce, DIFFUSE), normal)),
+                    _ => onwards(cosine(&mut numbers.stream(DIFFUSE), normal)),
                 };
                 Step { light: Vec3::ZERO, shadow, next }
             }

@@ -164,7 +164,7 @@ pub(super) fn table(place: Place<'_>) -> Document {
 pub(super) fn over_scenes(record: &Record, groups: &[Group<'_>]) -> Option<Document> {
     let mut page = Document::default();
     let all = groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| Place { record, group, set }));
-    for (rays, places) in gathered(all.map(|place| (place.set.name(), place))) {
+    for (rays, places) in gathered(all.map(|place| (place.set.name, place))) {
         let places = &places;
         let scenes = places.iter().map(|place| &place.group.scene.name).unique().count();
         if scenes < 2 {

@@ -6,12 +6,11 @@ use itertools::Itertools as _;
 use serde::Serialize;
 use tracebench_api::Query;
 
-use super::document::Document;
 use super::format::{clock_of, code, significant, statistic, thousands};
-use super::group::{Group, RaySet, Role};
-use super::metrics::{self, BUILD_TIME, Better, FIRST_BUILD, Metric, SPEED, STEADY_BUILD, headed, judged};
+use super::group::Role;
+use super::metrics::{self, BUILD_TIME, Better, FIRST_BUILD, Metric, STEADY_BUILD, headed, judged};
 use super::sheet::{Cell, Column, Sheet};
-use crate::results::{CounterRecord, Judgement, PhaseRecord, Row, Times, TraceRecord};
+use crate::results::{CounterRecord, PhaseRecord, Row, Times, TraceRecord};
 
 /// A trace with its place in the table.
 pub(crate) type TableRow<'a> = (Role, &'a Row, &'a TraceRecord);
@@ -77,19 +76,6 @@ impl<'a, R> Sheet<'a, R> {
     pub(crate) fn structure(self, metric: Metric, of: impl Fn(&R) -> Option<&Row> + 'a) -> Self {
         self.and(metric.of_structure(of))
     }
-
-    /// With what tells how often answers to a query are right, of a judgement on so many rays that count.
-    pub(super) fn accuracies_of(self, query: Query, of: impl Fn(&R) -> Option<(&Judgement, u64)> + Copy + 'a) -> Self {
-        let column = |(place, metric): (usize, &Metric)| {
-            let right = move |row: &R| {
-                let (judgement, trials) = of(row)?;
-                let of_query = matches!(judgement, Judgement::Closest(_)) == (query == Query::Closest);
-                judgement.accuracies(trials).get(place).filter(|_| of_query).copied().map(Cell::Accuracy)
-            };
-            metric.shown(right)
-        };
-        self.with(metrics::accuracies(query).iter().enumerate().map(column).collect())
-    }
 }
 
 impl<'a, R: Told> Sheet<'a, R> {
@@ -139,19 +125,7 @@ impl<'a, R: Told> Sheet<'a, R> {
     }
 }
 
-/// The traces of configurations over a ray set below its heading: tracer, clock, speed, what further columns tell, accuracy and counters.
-pub(super) fn traces<'a>(
-    group: &'a Group<'_>,
-    set: &'a RaySet<'_>,
-    adaptive: impl FnOnce(Sheet<'a, TableRow<'a>>) -> Sheet<'a, TableRow<'a>>,
-) -> Document {
-    let all = group.traces(set);
-    let rows: Vec<TableRow<'_>> = all.iter().copied().filter(contends).collect();
-    let sheet = adaptive(Sheet::new().name().own_clock().taken(SPEED)).right(set.query).counted(&rows, |_| true);
-    set.headed(3, "").paragraph(coverage(&all)).table(sheet.table(&rows))
-}
-
-fn contends((role, ..): &TableRow<'_>) -> bool {
+pub(super) fn contends((role, ..): &TableRow<'_>) -> bool {
     *role == Role::Tracer
 }
 

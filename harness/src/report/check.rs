@@ -5,12 +5,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::verdict::{self, Verdict};
+use super::verdict;
 use super::{PACKED, PAGE_FILE, RUN_FILE, ReportError, Study, Tables, contents, kept, read_run, record_file, unpacked};
 use crate::files::LIST;
 use crate::hash::sha256_of;
 use crate::results::{PICTURES_FOLDER, Provenance, Record};
-use crate::studies::tune::Tuning;
 
 /// The list of committed records with their commands.
 const MANIFEST: &str = "manifest.json";
@@ -36,11 +35,8 @@ pub fn check(
     if record.preset == "smoke" {
         faults.push("preset smoke only shows that things work: measure with quick or paper".to_owned());
     }
-    let controls = Tuning::of(&record).map(|tuning| verdict::tuning_controls(&tuning));
-    let failed = match controls.unwrap_or_else(|| verdict::controls(&record)) {
-        Verdict::Void(failed) => failed.into_iter().next(),
-        Verdict::Sound => record.cases.iter().flat_map(|section| &section.cases).find_map(|case| case.invalid.clone()),
-    };
+    let mut cases = record.cases.iter().flat_map(|section| &section.cases);
+    let failed = verdict::controls(&record).into_iter().next().or_else(|| cases.find_map(|case| case.invalid.clone()));
     let remedy = "measure again, and open an issue if it comes back";
     faults.extend(failed.map(|failed| format!("a control fails: {failed}: {remedy}")));
     faults.extend(command(folder, &record, parse));

@@ -87,11 +87,6 @@ impl Document {
         if words.is_empty() { self } else { self.block(Block::Words(words)) }
     }
 
-    /// With an item of a list.
-    pub(crate) fn item(self, words: impl Into<String>) -> Self {
-        self.block(Block::Item(words.into()))
-    }
-
     /// With paragraphs.
     pub(crate) fn paragraphs(self, all: impl IntoIterator<Item = String>) -> Self {
         all.into_iter().fold(self, Self::paragraph)
@@ -99,7 +94,7 @@ impl Document {
 
     /// With items of a list.
     pub(crate) fn items(self, all: impl IntoIterator<Item = String>) -> Self {
-        all.into_iter().fold(self, Self::item)
+        all.into_iter().fold(self, |page, item| page.block(Block::Item(item)))
     }
 
     /// With a table.

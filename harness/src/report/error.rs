@@ -35,12 +35,7 @@ pub enum ReportError {
     /// A run of another version of this program: its schema, as written there, and the one that this program reads.
     #[error("{path} follows schema {1}, this program reads schema {2}; use the version of the program that wrote it, or run again", path = .0.display())]
     Schema(PathBuf, String, u32),
-    /// A file's contents cannot be made.
-    #[error("cannot make {what}: {reason}")]
-    NotMade {
-        /// The file's name.
-        what: String,
-        /// Why.
-        reason: String,
-    },
+    /// A file's contents cannot be made: its name, and why.
+    #[error("cannot make {0}: {1}")]
+    NotMade(String, String),
 }

@@ -98,6 +98,11 @@ pub(super) fn size([width, height]: [u32; 2]) -> String {
     format!("{width}×{height}")
 }
 
+/// The same for programs, and where they are typed.
+pub(crate) fn edges([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
 /// A clock's name.
 pub(super) fn clock(clock: ClockKind) -> &'static str {
     match clock {

@@ -156,7 +156,7 @@ fn of_work(record: &Record, section: &FramesRecord, scene: usize, work: &str) ->
     let name = &section.scenes[scene].scene.name;
     let stem = format!("{STEM}{}_{}", format::file_stem(name), format::file_stem(work));
     let alt = format!("Frame time, wrong rays and errors of {work} in {name} over the frames");
-    let page = page.chart(stem.clone(), alt, series(record, over_frames(section, name, work, &tracers, stem.clone())));
+    let page = page.chart(stem.clone(), alt, series(record, over_frames(section, name, work, &tracers)));
     let points = |of: &dyn Fn(&Shown<'_>) -> Vec<f64>| {
         let place = |shown: &Shown<'_>| {
             let (ms, errors) = (shown.ms(), of(shown));
@@ -347,7 +347,7 @@ fn last(tracers: &[Shown<'_>]) -> Table {
 }
 
 /// Time and errors over the frames.
-fn over_frames(section: &FramesRecord, scene: &str, work: &str, tracers: &[Shown<'_>], stem: String) -> SeriesChart {
+fn over_frames(section: &FramesRecord, scene: &str, work: &str, tracers: &[Shown<'_>]) -> SeriesChart {
     let steps: Vec<String> = (0..section.frames).map(|frame| frame.to_string()).collect();
     let frames = section.frames as usize;
     let panel = |title: &str, quantity: &str, of: &dyn Fn(&FrameRow, &WorkRow) -> Option<f64>| {
@@ -381,7 +381,7 @@ fn over_frames(section: &FramesRecord, scene: &str, work: &str, tracers: &[Shown
         panels.push(panel("flicker of images", "mean change of the error", &|_, work| work.image.as_ref()?.flicker));
     }
     let title = format!("{work} over the frames of {scene}");
-    SeriesChart { stem, title, subtitle: "The first frame builds".to_owned(), key: None, panels }
+    SeriesChart { title, subtitle: "The first frame builds".to_owned(), key: None, panels }
 }
 
 impl ShownFrame<'_> {

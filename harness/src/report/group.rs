@@ -30,7 +30,8 @@ pub(super) struct RaySet<'a> {
     /// What is asked.
     pub query: Query,
     pub count: u64,
-    name: &'a str,
+    /// The set's own name, which several may have.
+    pub name: &'a str,
     sha256: &'a str,
 }
 
@@ -75,11 +76,6 @@ impl RaySet<'_> {
         Document::default().rays(level, self.name, heading + more)
     }
 
-    /// The set's own name, which several may have.
-    pub(super) fn name(&self) -> &str {
-        self.name
-    }
-
     /// Whether a trace is of these rays.
     pub(super) fn holds(&self, trace: &TraceRecord) -> bool {
         self.name == trace.rays && self.sha256 == trace.rays_sha256 && self.query == trace.query
@@ -97,7 +93,7 @@ impl RaySet<'_> {
 }
 
 /// Values by their keys, both in the order of first appearance.
-pub(super) fn gathered<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+pub(crate) fn gathered<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
     let mut all: Vec<(K, Vec<V>)> = Vec::new();
     for (key, value) in pairs {
         match all.iter_mut().find(|(known, _)| *known == key) {

@@ -10,25 +10,20 @@ use crate::results::{AttackRecord, FramesRecord, FrontScene, PICTURES_FOLDER, Re
 /// Hexadecimal digits of a name.
 const DIGITS: usize = 32;
 
-/// What lies where a record says that a picture is.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Kept {
-    Picture(Vec<u8>),
-    /// Something else under its name.
-    Other,
-    Missing,
+/// What lies where a record, its folder or its file, says that a picture is, and whether it is that picture. A record names files of one
+/// folder alone.
+fn found(path: &Path, name: &str) -> Option<(Vec<u8>, bool)> {
+    let folder = if path.is_dir() { path } else { path.parent()? };
+    let is_hash = |hash: &&str| hash.len() == DIGITS && hash.bytes().all(|c| c.is_ascii_hexdigit());
+    let hash = name.strip_suffix(".png").filter(is_hash)?;
+    let bytes = fs::read(folder.join(PICTURES_FOLDER).join(name)).ok()?;
+    let is_picture = sha256_of(&bytes).starts_with(hash);
+    Some((bytes, is_picture))
 }
 
-/// Looks for a picture beside a record, its folder or its file. A record names files of one folder alone.
-pub(crate) fn picture(path: &Path, name: &str) -> Kept {
-    let folder = if path.is_dir() { Some(path) } else { path.parent() };
-    let is_hash = |hash: &&str| hash.len() == DIGITS && hash.bytes().all(|c| c.is_ascii_hexdigit());
-    let (Some(folder), Some(hash)) = (folder, name.strip_suffix(".png").filter(is_hash)) else { return Kept::Missing };
-    match fs::read(folder.join(PICTURES_FOLDER).join(name)) {
-        Ok(bytes) if sha256_of(&bytes).starts_with(hash) => Kept::Picture(bytes),
-        Ok(_) => Kept::Other,
-        Err(_) => Kept::Missing,
-    }
+/// A picture that a record names, where it is beside it.
+pub(super) fn picture(path: &Path, name: &str) -> Option<Vec<u8>> {
+    found(path, name).filter(|(_, is_picture)| *is_picture).map(|(bytes, _)| bytes)
 }
 
 /// The pictures that a record names.
@@ -41,7 +36,8 @@ pub(super) fn picture_files(record: &Record) -> impl Iterator<Item = &str> {
 /// The pictures that a record names and under whose names something else lies.
 pub fn others(path: &Path, record: &Record) -> Vec<String> {
     let files: BTreeSet<&str> = picture_files(record).collect();
-    files.into_iter().filter(|name| picture(path, name) == Kept::Other).map(str::to_owned).collect()
+    let is_other = |name: &&str| found(path, name).is_some_and(|(_, is_picture)| !is_picture);
+    files.into_iter().filter(is_other).map(str::to_owned).collect()
 }
 
 #[cfg(test)]
@@ -60,11 +56,11 @@ mod tests {
         for name in [&name, &short] {
             fs::write(pictures.join(name), "one").unwrap();
         }
-        assert_eq!(picture(folder.path(), &name), Kept::Picture(b"one".to_vec()));
-        assert_eq!(picture(&folder.path().join("run.json"), &name), Kept::Picture(b"one".to_vec()));
-        assert_eq!(picture(folder.path(), &short), Kept::Missing);
-        assert_eq!(picture(folder.path(), &format!("../{PICTURES_FOLDER}/{name}")), Kept::Missing);
+        assert_eq!(picture(folder.path(), &name), Some(b"one".to_vec()));
+        assert_eq!(picture(&folder.path().join("run.json"), &name), Some(b"one".to_vec()));
+        assert_eq!(found(folder.path(), &short), None);
+        assert_eq!(found(folder.path(), &format!("../{PICTURES_FOLDER}/{name}")), None);
         fs::write(pictures.join(&name), "two").unwrap();
-        assert_eq!(picture(folder.path(), &name), Kept::Other);
+        assert_eq!(found(folder.path(), &name), Some((b"two".to_vec(), false)));
     }
 }

@@ -155,7 +155,7 @@ pub(crate) fn judged(trace: &TraceRecord) -> bool {
 }
 
 /// The verdict, if it is one on a closest-hit set.
-pub(super) fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
+pub(crate) fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
     if let Judgement::Closest(judgement) = &trace.judgement { Some(judgement) } else { None }
 }
 

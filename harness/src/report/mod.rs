@@ -34,7 +34,6 @@ mod tables;
 mod terminal;
 #[cfg(test)]
 mod tests;
-mod tune;
 mod verdict;
 
 use std::collections::BTreeSet;
@@ -59,15 +58,12 @@ pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
 pub use tables::flat_table;
 pub use terminal::run_table;
-pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
 use crate::results::{PICTURES_FOLDER, Record, SCHEMA};
 use document::Document;
-use group::Group;
-use kept::Kept;
 use sheet::{Sheet, Table};
-use tables::Placed;
+use tables::rows;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -159,7 +155,7 @@ type Maker = fn(&Record) -> Option<Report>;
 
 /// Every study, a line each. The first that a record is of makes what derives from it.
 const STUDIES: &[Study] = &[
-    study("sweep", Section::Study, &[tune::STEM], |record| record.tuning.is_some(), Some(tune::report)),
+    study("sweep", Section::Study, &[sweep::STEM], |record| record.tuning.is_some(), Some(sweep::untimed)),
     study("stability", Section::Matrix, &[], |record| record.cases.is_some(), Some(stability::report)),
     study("pareto", Section::Fronts, &[pareto::STEM], |record| record.pareto.is_some(), Some(pareto::report)),
     study("need", Section::Need, &[need::STEM], |record| record.need.is_some(), Some(need::report)),
@@ -202,7 +198,7 @@ pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// What the names of derived files begin with, up to a dot or an underscore.
 const BEGINNINGS: &str = "agreement_over_tolerance attack break_even claims error_vs explain figure frames need operating_points pareto rows stability \
-                          summary sweep table tune verdicts wrong_rays";
+                          summary sweep table verdicts wrong_rays";
 
 /// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
 pub fn may_be_written(name: &str) -> bool {
@@ -234,11 +230,7 @@ pub fn write_run(record: &Record, folder: &OutputFolder, tables: Tables) -> Resu
 /// If a file cannot be written.
 pub fn take_pictures(record: &Record, from: &[PathBuf], folder: &OutputFolder) -> Result<(), ReportError> {
     for name in kept::picture_files(record) {
-        let found = from.iter().find_map(|path| match kept::picture(path, name) {
-            Kept::Picture(bytes) => Some(bytes),
-            _ => None,
-        });
-        if let Some(bytes) = found {
+        if let Some(bytes) = from.iter().find_map(|path| kept::picture(path, name)) {
             folder.write(&format!("{PICTURES_FOLDER}/{name}"), &bytes)?;
         }
     }
@@ -274,20 +266,6 @@ pub fn contents(record: &Record, tables: Tables) -> Result<Contents, ReportError
 /// Writes files into a folder, and gives their paths.
 pub(crate) fn write_all(contents: &Contents, folder: &OutputFolder) -> Result<Vec<PathBuf>, ReportError> {
     Ok(folder.write_all(contents.iter().map(|(name, contents)| (name.as_str(), contents.as_slice())))?)
-}
-
-/// Every row with what a study tells of it, and every wrong ray that was kept.
-fn rows<'a, R: 'a>(
-    record: &'a Record,
-    groups: &'a [Group<'a>],
-    own: Sheet<'a, R>,
-    of: impl Fn(&Placed<'a>) -> Option<R>,
-) -> Report {
-    let tables = vec![
-        ("rows.csv".to_owned(), tables::rows(record, groups, own, of)),
-        ("wrong_rays.csv".to_owned(), tables::wrong_rays(groups)),
-    ];
-    Report { tables, ..Report::default() }
 }
 
 /// What is made of a plain run: summary, traces and charts; of one that was made for a table or a sweep that, too.

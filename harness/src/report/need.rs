@@ -15,9 +15,7 @@ use super::group::{gathered, groups, stems};
 use super::sheet::{Cell, Column, Sheet, Table};
 use super::{Report, metrics, rows, summary};
 use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord, values_label};
-use crate::studies::need::{
-    Axis, Curve, Need, OfTracer, Outcome, Step, Thumb, Transfer, Tried, curves, rules, transfers,
-};
+use crate::studies::need::{Axis, Curve, OfTracer, Outcome, Step, Thumb, Transfer, Tried, curves, rules, transfers};
 
 /// The page.
 pub const NEED_PAGE: &str = "need.md";
@@ -97,7 +95,6 @@ fn chart(record: &Record, section: &NeedRecord, shown: &Shown<'_>) -> Option<Cha
     }
     let (name, triangles) = (&shown.scene.name, thousands(shown.scene.triangles));
     let chart = SeriesChart {
-        stem: shown.chart.clone(),
         title: format!("The need curve: {name} ({triangles} triangles)"),
         subtitle: format!(
             "newly wrong less newly right rays of smaller structures, upper end of the paired 95 % interval; what is below {} % is drawn there",
@@ -235,7 +232,7 @@ fn needs(curves: &[&Curve<'_>]) -> Table {
         .column("needed in time (MiB) ↓", |curve| bytes(curve.needed(true)))
         .column("by", |curve| by(curve.needed(true)))
         .column("how far each may shrink", |curve| {
-            let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(&axis.need(false)))).join("; ");
+            let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(axis.need(false)))).join("; ");
             if far.is_empty() { "nothing shrinks".to_owned() } else { far }
         });
     sheet.table(curves)
@@ -255,12 +252,12 @@ fn by(step: &Step<'_>) -> String {
 }
 
 /// A need in words.
-fn until(need: &Need<'_>) -> String {
-    match (need.smallest, need.too_small) {
-        (Some(smallest), Some(too_small)) => format!("{smallest}, {too_small} is too small"),
-        (Some(smallest), None) => format!("{smallest}, the smallest tried"),
-        (None, Some(too_small)) => format!("not at all, {too_small} is too small"),
-        (None, None) => "not measured".to_owned(),
+fn until(need: [Option<&str>; 2]) -> String {
+    match need {
+        [Some(smallest), Some(too_small)] => format!("{smallest}, {too_small} is too small"),
+        [Some(smallest), None] => format!("{smallest}, the smallest tried"),
+        [None, Some(too_small)] => format!("not at all, {too_small} is too small"),
+        [None, None] => "not measured".to_owned(),
     }
 }
 

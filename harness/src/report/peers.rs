@@ -6,7 +6,7 @@ use super::beside::{self, Place};
 use super::document::Document;
 use super::format::significant;
 use super::group::{Group, RaySet, groups};
-use super::metrics::{BUILD_RATE, STRUCTURE};
+use super::metrics::{BUILD_RATE, SPEED, STRUCTURE};
 use super::sheet::{self, Cell, Column, Sheet};
 use super::tables::Placed;
 use super::{Report, cells, metrics, rows, summary};
@@ -170,6 +170,7 @@ fn structures(table: &Table, group: &Group<'_>) -> sheet::Table {
     sheet.table(&rows)
 }
 
+/// The traces of configurations over a ray set below its heading.
 fn traces(table: &Table, record: &Record, group: &Group<'_>, set: &RaySet<'_>) -> Document {
     let beside = |(place, (heading, _)): (usize, (String, &str))| {
         // A ratio is a speed: never without its accuracy.
@@ -177,14 +178,20 @@ fn traces(table: &Table, record: &Record, group: &Group<'_>, set: &RaySet<'_>) -
             if metrics::judged(row.2) { over(table, record, place, &(group, set, *row)) } else { Cell::None }
         })
     };
-    cells::traces(group, set, |sheet| {
-        sheet.with(besides(table).into_iter().enumerate().map(beside).collect()).column(
-            "hits",
-            move |(_, row, trace)| {
-                if table.rows == Rows::LaunchSettings { same_hits(group, set, row, trace) } else { Cell::Absent }
-            },
-        )
-    })
+    let all = group.traces(set);
+    let rows: Vec<cells::TableRow<'_>> = all.iter().copied().filter(cells::contends).collect();
+    let sheet = Sheet::<cells::TableRow<'_>>::new()
+        .name()
+        .own_clock()
+        .taken(SPEED)
+        .with(besides(table).into_iter().enumerate().map(beside).collect())
+        .column("hits", |(_, row, trace)| match table.rows {
+            Rows::LaunchSettings => same_hits(group, set, row, trace),
+            Rows::Peers { .. } | Rows::Switches(_) => Cell::Absent,
+        })
+        .right(set.query)
+        .counted(&rows, |_| true);
+    set.headed(3, "").paragraph(cells::coverage(&all)).table(sheet.table(&rows))
 }
 
 /// What is told of rows beside others.

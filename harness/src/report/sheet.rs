@@ -146,17 +146,11 @@ cell_from! {
     Percentiles: percentiles => Self::Percentiles(percentiles);
     Amount: amount => Self::Measured(amount.value, Some(amount.interval), 4);
     Ratio: ratio => Self::Measured(ratio.value, Some(ratio.interval), 3);
-}
-
-/// A median with its interval, where anything was timed.
-impl From<&Times> for Cell {
-    fn from(times: &Times) -> Self {
-        if times.samples_ms.is_empty() {
-            Self::None
-        } else {
-            Self::Measured(times.median_ms, Some(times.interval_ms), 4)
-        }
-    }
+    // A median with its interval, where anything was timed.
+    &Times: times => match times.samples_ms.is_empty() {
+        true => Self::None,
+        false => Self::Measured(times.median_ms, Some(times.interval_ms), 4),
+    };
 }
 
 impl<C: Into<Cell>> From<Option<C>> for Cell {
@@ -301,8 +295,7 @@ impl Table {
         let shown: Vec<(usize, &String, Vec<&str>)> = named.map(|(place, name)| (place, name, ends(place))).collect();
         let header = || shown.iter().flat_map(|(_, name, ends)| ends.iter().map(move |end| format!("{name}{end}")));
         if let Some(twice) = header().duplicates().next() {
-            let reason = format!("two columns are called {twice}");
-            return Err(ReportError::NotMade { what: file.to_owned(), reason });
+            return Err(ReportError::NotMade(file.to_owned(), format!("two columns are called {twice}")));
         }
         let part =
             |cell: &Cell, end: &str| cell.fields().into_iter().find(|(own, _)| *own == end).map(|(_, text)| text);
@@ -335,7 +328,7 @@ pub(super) fn csv(file: &str, mut lines: impl Iterator<Item = Vec<String>>) -> R
     let mut writer = csv::Writer::from_writer(&mut bytes);
     let written = lines.try_for_each(|line| writer.write_record(line)).and_then(|()| Ok(writer.flush()?));
     drop(writer);
-    written.map_err(|error| ReportError::NotMade { what: file.to_owned(), reason: error.to_string() })?;
+    written.map_err(|error| ReportError::NotMade(file.to_owned(), error.to_string()))?;
     Ok(bytes)
 }
 

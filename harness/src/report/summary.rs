@@ -19,7 +19,7 @@ use super::metrics::{
 };
 use super::sheet::{Cell, Sheet, Table};
 use super::surfaces;
-use super::verdict::{self, Verdict};
+use super::verdict;
 use crate::judge::REFERENCE_PIXELS;
 use crate::results::{
     Classes, CounterRecord, InterleavedSetRecord, Judgement, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped,
@@ -46,7 +46,7 @@ pub(super) fn summary(record: &Record, groups: &[Group<'_>]) -> Document {
 pub(crate) fn head(record: &Record, title: &str) -> Document {
     let mut page = head_of(&record.provenance, &record.preset, record.seed, &verdict::controls(record), title);
     if !record.interleaved_sets.is_empty() {
-        page = page.item(format!("Clock: {}", clock(record)));
+        page = page.items([format!("Clock: {}", clock(record))]);
     }
     if record.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
         page = page.paragraph(
@@ -145,7 +145,7 @@ fn counted(names: &[String]) -> String {
 }
 
 /// Where, when and of what something was measured, below a title.
-pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Verdict, title: &str) -> Document {
+pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &[String], title: &str) -> Document {
     let mut items = vec![("Machine", from.machine.label())];
     if let Some(adapter) = &from.machine.adapter {
         let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
@@ -180,7 +180,7 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
         ("Preset", preset.to_owned()),
         ("Seed", seed.to_string()),
         ("Started", from.started.clone()),
-        ("Controls", controls.sentence()),
+        ("Controls", verdict::sentence(controls)),
     ]);
     Document::titled(title).items(items.into_iter().map(|(name, value)| format!("{name}: {value}")))
 }

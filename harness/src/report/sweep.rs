@@ -1,5 +1,6 @@
 //! A sweep: what its points measured, laid out along its axes. File `sweep.md`; the charts show the same.
 
+mod choices;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
@@ -11,12 +12,15 @@ use super::cells::{TableRow, Told, coverage};
 use super::chart;
 use super::document::Document;
 use super::format::{file_stem, size};
-use super::group::{Group, RaySet, Role, gathered};
+use super::group::{Group, RaySet, Role, gathered, groups};
+use super::markdown::literal;
 use super::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
 use super::sheet::{self, Sheet};
 use super::{Report, rows, summary};
-use crate::results::{AxisRecord, PointRecord, Record, Row, SweepRecord, TraceRecord};
+use crate::results::{AxisRecord, PointRecord, Record, Row, SweepRecord, TraceRecord, place_name};
 use crate::studies::sweep::RESOLUTION;
+use crate::studies::tune::{Label, SetTuned, Tuning};
+use choices::Tried;
 
 /// The page of a sweep.
 pub const SWEEP_PAGE: &str = "sweep.md";
@@ -37,6 +41,8 @@ pub(in crate::report) struct View<'a> {
     pub other: Option<&'a AxisRecord>,
     /// One, or one a value of the other axis of a grid.
     pub curves: Vec<Curve<'a>>,
+    /// The values that would be chosen, where one is.
+    pub tuned: Option<&'a SetTuned<'a>>,
 }
 
 /// Points along an axis.
@@ -67,7 +73,11 @@ impl View<'_> {
 }
 
 /// Every view of a sweep: of every scene every axis (of a grid the first), of every axis every ray set.
-pub(in crate::report) fn views<'a>(sweep: &'a SweepRecord, groups: &'a [Group<'a>]) -> Vec<View<'a>> {
+pub(in crate::report) fn views<'a>(
+    sweep: &'a SweepRecord,
+    groups: &'a [Group<'a>],
+    tuning: Option<&'a Tuning<'a>>,
+) -> Vec<View<'a>> {
     let axes = if sweep.grid { &sweep.axes[..sweep.axes.len().min(1)] } else { &sweep.axes[..] };
     let other = sweep.axes.get(1).filter(|_| sweep.grid);
     let mut views = Vec::new();
@@ -84,7 +94,9 @@ pub(in crate::report) fn views<'a>(sweep: &'a SweepRecord, groups: &'a [Group<'a
                 };
                 // A file may name axes that no point is on.
                 if curves.iter().any(|curve| !curve.cells.is_empty()) {
-                    views.push(View { group, set, axis, other, curves });
+                    let mut measured = curves.iter().flat_map(|curve| &curve.cells).filter_map(|cell| cell.measured);
+                    let tuned = measured.find_map(|(row, trace)| tuning?.set_of(row, trace));
+                    views.push(View { group, set, axis, other, curves, tuned });
                 }
             }
         }
@@ -111,10 +123,24 @@ fn cells<'a>(
 
 /// What is made of a sweep beside what is made of its run: page, charts, and what each row has on the axes.
 pub(super) fn report(record: &Record, sweep: &SweepRecord, groups: &[Group<'_>]) -> Report {
-    let own = Sheet::<&PointRecord>::new().json("values_json", |point| &point.values);
-    let point = |row: &Row| sweep.points.iter().find(|point| row.tracer.name == sweep.tracer && point.is_of(row));
-    let page = page(record, sweep, &views(sweep, groups));
-    Report::of_page(SWEEP_PAGE, page).and(rows(record, groups, own, |(.., (_, row, _))| point(row)))
+    let tuning = Tuning::of(record);
+    let own = Sheet::<Tried<'_>>::new().json("values_json", |(point, _)| &point.values);
+    let own = if tuning.is_some() { own.with(choices::columns()) } else { own };
+    let tried = |row: &Row, trace: &TraceRecord| {
+        let point = sweep.points.iter().find(|point| row.tracer.name == sweep.tracer && point.is_of(row))?;
+        let tuned = tuning.as_ref().and_then(|tuning| {
+            let value = point.values.get(&tuning.axis.name)?;
+            Some((tuning.set_of(row, trace)?, value.as_str()))
+        });
+        Some((point, tuned))
+    };
+    let page = page(record, sweep, &views(sweep, groups, tuning.as_ref()), tuning.as_ref());
+    Report::of_page(SWEEP_PAGE, page).and(rows(record, groups, own, |(.., (_, row, trace))| tried(row, trace)))
+}
+
+/// What is made of a sweep by which a value is chosen: nothing was timed, and of its run alone there is nothing else to show.
+pub(super) fn untimed(record: &Record) -> Option<Report> {
+    Some(report(record, record.sweep.as_ref()?, &groups(record)))
 }
 
 /// The run as other tables and charts can show it: with the resolution in the labels of what was measured at another one
@@ -152,12 +178,13 @@ fn scored_the_same(one: &Row, other: &Row) -> bool {
 }
 
 /// The whole page.
-fn page(record: &Record, sweep: &SweepRecord, views: &[View<'_>]) -> Document {
+fn page(record: &Record, sweep: &SweepRecord, views: &[View<'_>], tuning: Option<&Tuning<'_>>) -> Document {
     let own = sweep.axes.iter().map(|axis| format!("{}={}", axis.name, axis.own)).join(", ");
     let head = summary::head(record, &format!("Sweep of {}", sweep.tracer)).paragraph(format!(
-        "{} points; {}. The tracer's own values, with an asterisk below: {own}. All points were measured in turn, sample by sample.",
+        "{} points; {}. The tracer's own values, with an asterisk below: {own}. {}",
         sweep.points.len(),
         if sweep.grid { "all combinations of two parameters" } else { "one parameter changed at a time" },
+        if tuning.is_some() { "Nothing was timed." } else { "All points were measured in turn, sample by sample." },
     ));
     let of_axis = |(_, views): (&str, Vec<&View<'_>>)| {
         let axis = views[0].axis;
@@ -165,11 +192,14 @@ fn page(record: &Record, sweep: &SweepRecord, views: &[View<'_>]) -> Document {
         page.and(views.into_iter().map(|view| section(record, view)))
     };
     let of_scene = |(_, views): (&str, Vec<&View<'_>>)| {
-        let page = Document::default().scene(2, views[0].group.scene, "");
+        let Group { scene, viewpoint, .. } = views[0].group;
+        let from = if tuning.is_some() { format!(" from {}", literal(&viewpoint.name)) } else { String::new() };
+        let page = Document::default().scene(2, scene, &from);
         let by_axis = gathered(views.into_iter().map(|view| (view.axis.name.as_str(), view)));
         page.and(by_axis.into_iter().map(of_axis))
     };
     let by_scene = gathered(views.iter().map(|view| (view.group.stem.as_str(), view)));
+    let head = head.and(tuning.map(choices::section));
     head.and(by_scene.into_iter().map(of_scene)).and(summary::skipped(&record.skipped))
 }
 
@@ -178,7 +208,8 @@ fn section(record: &Record, view: &View<'_>) -> Document {
     let all: Vec<_> = view.curves.iter().flat_map(|curve| &curve.cells).collect();
     let rows: Vec<_> =
         all.iter().filter_map(|cell| cell.measured).map(|(row, trace)| (Role::Tracer, row, trace)).collect();
-    let scene = &view.group.scene.name;
+    let noted = [0, 1].map(|nth| place_name(view.group.scene, view.group.viewpoint, nth));
+    let is_skipped = |point: &PointRecord| noted.iter().any(|place| point.skipped.contains_key(place));
     let mut sheet = Sheet::<Place<'_>>::new();
     if let Some(other) = view.other {
         sheet = sheet.column(&other.name, |(curve, _)| curve.other.map(str::to_owned));
@@ -193,16 +224,19 @@ fn section(record: &Record, view: &View<'_>) -> Document {
     let sheet = sheet
         .and(STRUCTURE.shown(|(_, cell): &Place<'_>| match cell.measured {
             Some((row, _)) => Some(sheet::Cell::Bytes(row.memory.structure_bytes as f64)),
-            None => cell.point.skipped.contains_key(scene).then(|| "skipped, see below".into()),
+            None => is_skipped(cell.point).then(|| "skipped, see below".into()),
         }))
-        .structure(USED, |row| row.1.measured.map(|(row, _)| row))
-        .clock("build_clock", |row| row.1.measured.map(|(row, _)| row.build.first()))
-        .builds(BUILD_TIME.label, |row| row.1.measured.map(|(row, _)| row))
-        .own_clock()
-        .taken(SPEED)
-        .right(set.query)
-        // How much of what is stored rays touched.
-        .counted(&rows, |of_set| of_set);
+        .structure(USED, |row| row.1.measured.map(|(row, _)| row));
+    let sheet = match view.tuned {
+        Some(tuned) => sheet.column("is", move |(_, cell)| tuned.labels(cell.value).map(Label::name).join(", ")),
+        None => sheet
+            .clock("build_clock", |row| row.1.measured.map(|(row, _)| row.build.first()))
+            .builds(BUILD_TIME.label, |row| row.1.measured.map(|(row, _)| row))
+            .own_clock()
+            .taken(SPEED),
+    };
+    // How much of what is stored rays touched.
+    let sheet = sheet.right(set.query).counted(&rows, |of_set| of_set);
     let places: Vec<Place<'_>> =
         view.curves.iter().flat_map(|curve| curve.cells.iter().map(move |cell| (curve, cell))).collect();
     set.headed(4, "")

@@ -7,24 +7,25 @@ use itertools::Itertools as _;
 
 use super::beside::{self, Place};
 use super::cells::TableRow;
-use super::format::code;
+use super::format::{code, edges};
 use super::group::{Group, RaySet, groups};
 use super::html::called;
 use super::metrics::{METRICS, Metric, with_ambiguous};
 use super::sheet::{Cell, Column, Columns, Sheet, Table, csv};
-use super::{ReportError, Study, read_run};
+use super::{Report, ReportError, Study, read_run};
 use crate::results::{Judgement, Record, Row, TraceRecord, WrongRay};
 
 /// A row of a record in its place.
 pub(super) type Placed<'a> = (&'a Group<'a>, &'a RaySet<'a>, TableRow<'a>);
 
-/// One row a ray set and tracer or control, with every scalar, and what a study tells of those that it is about.
+/// One row a ray set and tracer or control, with every scalar, and what a study tells of those that it is about; and every wrong ray that was
+/// kept.
 pub(super) fn rows<'a, R: 'a>(
     record: &'a Record,
     groups: &'a [Group<'a>],
     own: Sheet<'a, R>,
     of: impl Fn(&Placed<'a>) -> Option<R>,
-) -> Table {
+) -> Report {
     type Told<'a, R> = (Placed<'a>, Option<R>);
     let rows: Vec<Told<'a, R>> = placed(groups).map(|row| (row, of(&row))).collect();
     let beside = with_ambiguous(record.rows.iter().flat_map(|row| &row.traces));
@@ -36,9 +37,9 @@ pub(super) fn rows<'a, R: 'a>(
         .csv_column("triangles", |((group, ..), _)| group.scene.triangles)
         .csv_column("viewpoint", |((.., (_, row, _)), _)| row.viewpoint.name.clone())
         .csv_column("animation_time_s", |((.., (_, row, _)), _)| row.viewpoint.time_s)
-        .csv_column("frame_px", |((.., (_, row, _)), _)| size(row.viewpoint.frame))
+        .csv_column("frame_px", |((.., (_, row, _)), _)| edges(row.viewpoint.frame))
         .csv_column("face_px", |((.., (_, row, _)), _)| row.viewpoint.face)
-        .csv_column("ray_image_px", |((.., (_, row, _)), _)| size(row.viewpoint.ray_image))
+        .csv_column("ray_image_px", |((.., (_, row, _)), _)| edges(row.viewpoint.ray_image))
         .csv_column("tracer", |((.., (_, row, _)), _)| row.label())
         .csv_column("tracer_name", |((.., (_, row, _)), _)| row.tracer.name.clone())
         .csv_column("tracer_preset", |((.., (_, row, _)), _)| row.tracer.preset.clone())
@@ -63,7 +64,9 @@ pub(super) fn rows<'a, R: 'a>(
         .with(METRICS.iter().chain(&beside).copied().map(metric).collect())
         .columns_of(own, |(_, own)| own.as_ref())
         .columns_of(Sheet::new().with(of_maps(&rows)), |((.., row), _)| Some(row));
-    sheet.table(&rows)
+    let tables = [("rows.csv", sheet.table(&rows)), ("wrong_rays.csv", wrong_rays(groups))];
+    let tables = tables.map(|(name, table)| (name.to_owned(), table)).into();
+    Report { tables, ..Report::default() }
 }
 
 /// The rows of records, those of controls among them, as `rows.csv` has those of one, with the record's name, its study and of cases the
@@ -83,7 +86,8 @@ pub fn flat_table(paths: &[PathBuf], say: impl Fn(&str)) -> Result<Vec<u8>, Repo
         let level = |row: &&Row| row.difficulty_level.map_or(Cell::Absent, Cell::from);
         let groups = groups(record);
         let own = Sheet::new().csv_column("difficulty_level", level);
-        let table = self::rows(record, &groups, own, |(.., (_, row, _))| Some(*row)).csv(&name)?;
+        let made = self::rows(record, &groups, own, |(.., (_, row, _))| Some(*row));
+        let table = made.tables[0].1.csv(&name)?;
         let mut lines = csv::ReaderBuilder::new().has_headers(false).from_reader(&*table).into_records().flatten();
         let header = lines.next().unwrap_or_default();
         columns = columns.into_iter().chain(header.iter().map(str::to_owned)).unique().collect();
@@ -100,12 +104,8 @@ pub fn flat_table(paths: &[PathBuf], say: impl Fn(&str)) -> Result<Vec<u8>, Repo
     csv("the table of rows", std::iter::once(columns).chain(rows))
 }
 
-fn size([width, height]: [u32; 2]) -> String {
-    format!("{width}x{height}")
-}
-
 /// Every wrong ray that the judge kept.
-pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Table {
+fn wrong_rays(groups: &[Group<'_>]) -> Table {
     type Wrong<'a> = (TableRow<'a>, &'a WrongRay);
     let rows: Vec<Wrong<'_>> =
         placed(groups).flat_map(|(.., row)| wrong_rays_of(row.2).iter().map(move |ray| (row, ray))).collect();

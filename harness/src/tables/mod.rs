@@ -111,8 +111,7 @@ pub fn of_run(record: &Record) -> Result<Report, ReportError> {
 /// # Errors
 /// If a file cannot be written, or the run has nothing for the table, or is another one's.
 pub fn write(table: Table, record: &Record, folder: &OutputFolder) -> Result<Vec<PathBuf>, ReportError> {
-    let made =
-        |reason: &str| ReportError::NotMade { what: format!("table {}", table.name()), reason: reason.to_owned() };
+    let made = |reason: &str| ReportError::NotMade(format!("table {}", table.name()), reason.to_owned());
     let record = record.aligned();
     let record = &*papers::with_rows(&record);
     // Its rows are chosen, set and scaled for what it is of.

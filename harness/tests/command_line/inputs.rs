@@ -197,7 +197,7 @@ fn views_of_nothing_say_so() {
             (&["explain"], "explain.md"),
             (&["table", "bvh"], "table_bvh.md"),
             (&["need"], "need.md"),
-            (&["sweep", "--choose", "footprint"], "tune.md"),
+            (&["sweep", "--choose", "footprint"], "sweep.md"),
         ] {
             let out = bench.text("out");
             let tunes = verb.contains(&"--choose");

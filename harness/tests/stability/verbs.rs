@@ -18,7 +18,6 @@ use tracebench_harness::studies::need;
 use tracebench_harness::studies::pareto::{Extent, Pareto};
 use tracebench_harness::studies::stability::{Candidate, measure};
 use tracebench_harness::studies::sweep::{Sweep, parameter_axis};
-use tracebench_harness::studies::tune::Tune;
 use tracebench_harness::{papers, tables};
 
 /// A few rays in a small scene.
@@ -61,11 +60,13 @@ const VERBS: &[(&str, Verb)] = &[
         vec![Pareto::new(&plan("candy", tracers), &extent).unwrap().execute(context).unwrap()]
     }),
     ("need", |tracers, context| vec![need::execute(&plan("candy", tracers), context).unwrap()]),
-    ("tune", |tracers, context| {
-        let tune = |request: &TracerRequest| {
-            Tune::new(&plan("candy", &[]), request, axis(request), Rule::Tight).unwrap().execute(context).unwrap()
+    ("sweep --choose", |tracers, context| {
+        let sweep = |request: &TracerRequest| {
+            let plan = plan("candy", std::slice::from_ref(request));
+            let sweep = Sweep::new(&plan, vec![axis(request)], false).unwrap();
+            sweep.choosing(Rule::Tight).execute(context).unwrap()
         };
-        tracers.iter().map(tune).collect()
+        tracers.iter().map(sweep).collect()
     }),
     ("explain", |tracers, context| {
         let explain = |request: &TracerRequest| {
@@ -171,7 +172,7 @@ fn every_verb_shows_planted_faults() {
         let names: Vec<&str> = of_verb.flat_map(|(_, run)| &run.rows).map(|row| row.tracer.name.as_str()).collect();
         assert!(Fault::ALL.iter().all(|fault| names.contains(&fault.name())), "{verb}: {names:?}");
     }
-    let makers = Makers { tables: tables::of_run, claims: papers::claims_of };
+    let makers: Makers = (tables::of_run, papers::claims_of);
     let html = html_page(&records, &[], makers, "tracebench report", MAX_BYTES).unwrap().html;
     for (verb, run) in &records {
         let faulty = run.rows.iter().filter(|row| row.tracer.name != Fault::None.name());

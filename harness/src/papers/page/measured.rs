@@ -5,13 +5,20 @@ use super::told;
 use crate::papers::rows::{right, statistic, trace};
 use crate::papers::{SceneRows, Scope};
 use crate::report::document::{Document, Of, set_heading};
-use crate::report::format::{self, significant, thousands};
+use crate::report::format::{self, edges, significant, thousands};
 use crate::report::group::Role;
 use crate::report::markdown::literal;
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, TRACE_TIME};
 use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::{cells, metrics};
 use crate::results::{Judgement, Row, TraceRecord};
+
+/// What scopes of bytes are called.
+const SCOPES: [&str; 3] = [
+    "structure alone, used (MiB) ↓",
+    "with the buffers of a trace, by the ledger (MiB) ↓",
+    "with the paper's own buffers, computed, not allocated (MiB) ↓",
+];
 
 /// What was measured: the paper's own sections, then every scene and resolution; of frames, which have a page, the first alone.
 pub(super) fn sections(page: &Page<'_>) -> Document {
@@ -33,13 +40,12 @@ fn section(page: &Page<'_>, name: &str) -> Document {
 fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
     let first = scene.rows.first()?;
     let viewpoint = &first.viewpoint;
-    let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let heading = format!(
         "{} ({} triangles), rays from {}, frame {}, faces {}{}",
         literal(&scene.label),
         thousands(first.scene.triangles),
-        size(viewpoint.ray_image),
-        size(viewpoint.frame),
+        edges(viewpoint.ray_image),
+        edges(viewpoint.frame),
         viewpoint.face,
         viewpoint.ray_overrides()
     );
@@ -63,7 +69,7 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
     let mut sheet = Sheet::<&Row>::new()
         .column("tracer", |row| row.label())
         .with(counts.map(count).collect())
-        .with(Scope::ALL.map(in_scope).into())
+        .with(Scope::ALL.into_iter().zip(SCOPES).map(in_scope).collect())
         .structure(STRUCTURE.called("structure alone, allocated"), |row| Some(row));
     if timed {
         sheet = sheet
@@ -88,24 +94,18 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
     Document::of(format!("**{title}**")).paragraph(cells::coverage(&all)).table(sheet.table(&all))
 }
 
-/// A speed or a time with the accuracy of the same rays.
-pub(in crate::papers) struct Accurate {
-    /// Million rays a second, or milliseconds.
-    pub value: f64,
-    accuracy: String,
-}
+/// Million rays a second, or milliseconds, and how that is told, with the accuracy of the same rays.
+type Accurate = (f64, Cell);
 
-impl From<Accurate> for Cell {
-    fn from(Accurate { value, accuracy }: Accurate) -> Self {
-        Self::Text(format!("{} at {accuracy}", significant(value, 4)))
-    }
+fn accurate(value: f64, accuracy: &str) -> Accurate {
+    (value, Cell::Text(format!("{} at {accuracy}", significant(value, 4))))
 }
 
 /// Speed with agreement under `tight`, of any-hit sets with balanced accuracy.
 pub(in crate::papers) fn speed_with_accuracy(trace: &TraceRecord) -> Option<Accurate> {
     let accuracy = right(trace, "tight").or_else(|| right(trace, "balanced"));
     let (value, accuracy) = metrics::speed(trace).zip(accuracy)?;
-    Some(Accurate { value, accuracy: format!("{} %", format::percent(accuracy, metrics::trials(trace))) })
+    Some(accurate(value, &format!("{} %", format::percent(accuracy, metrics::trials(trace)))))
 }
 
 /// Milliseconds of a row's ray sets by the host's clock with the accuracy of the same rays, the least of theirs: agreement under
@@ -132,5 +132,5 @@ pub(in crate::papers) fn time_of(row: &Row, sets: &[&str]) -> Option<Accurate> {
             least = Some((accuracy, text));
         }
     }
-    least.map(|(_, accuracy)| Accurate { value: ms, accuracy })
+    least.map(|(_, accuracy)| accurate(ms, &accuracy))
 }

@@ -53,17 +53,16 @@ pub(crate) fn report(paper: &'static Paper, experiment: &Experiment, record: &Re
     let judged: Vec<_> = own.map(|claim| judge(paper, claim, &rows)).collect();
     let page = Page { paper, experiment, rows: &rows };
     let charts = experiment.charts.iter().filter_map(|name| paper.pages.charts.get(*name));
-    let charts: Vec<_> = charts.flat_map(|told| told::charts(&page, told)).collect();
-    let document =
-        summary::head(&record, &format!("Table {}: {}", experiment.name, experiment.summary))
-            .and(notes(experiment, &rows))
-            .and(published::section(&paper.published.paper, &page.beside().collect::<Vec<_>>()))
-            .and(measured::sections(&page))
-            .and(charts.into_iter().map(|chart| {
-                Document::default().chart(chart.stem.clone(), chart.title.clone(), series(&record, chart))
-            }))
-            .and(claims::section(&judged))
-            .and(summary::skipped(&record.skipped));
+    let charts = charts
+        .flat_map(|told| told::charts(&page, told))
+        .map(|(stem, chart)| Document::default().chart(stem, chart.title.clone(), series(&record, chart)));
+    let document = summary::head(&record, &format!("Table {}: {}", experiment.name, experiment.summary))
+        .and(notes(experiment, &rows))
+        .and(published::section(&paper.published.paper, &page.beside().collect::<Vec<_>>()))
+        .and(measured::sections(&page))
+        .and(charts)
+        .and(claims::section(&judged))
+        .and(summary::skipped(&record.skipped));
     let verdicts = format!("verdicts_{}.json", experiment.name.replace('-', "_"));
     Ok(Report {
         pages: vec![(format!("{}.md", peers::stem(experiment.name)), document)],

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::papers::{Publication, PublishedColumn, PublishedRow, PublishedTable};
 use crate::report::document::Document;
+use crate::report::group::gathered;
 use crate::report::sheet::{Sheet, Table};
 
 /// The published tables beside which an experiment stands.
@@ -21,21 +22,12 @@ pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> Docume
             None => page.paragraph("The figure is not available: its numbers stood in a picture alone."),
             Some(all) => page.table(rows(table, all)),
         };
-        let scopes = scopes(table).into_iter().map(|(names, scope)| format!("{}: {scope}.", names.join(", ")));
+        // Columns may share a scope.
+        let scoped = table.columns.iter().filter(|column| !column.scope.is_empty());
+        let scopes = gathered(scoped.map(|column| (&column.scope, column.name.as_str()))).into_iter();
+        let scopes = scopes.map(|(scope, names)| format!("{}: {scope}.", names.join(", ")));
         page.paragraphs(scopes.chain(table.notes.iter().cloned()))
     }))
-}
-
-/// Scopes with the columns that share them.
-fn scopes(table: &PublishedTable) -> Vec<(Vec<&str>, &str)> {
-    let mut scopes: Vec<(Vec<&str>, &str)> = Vec::new();
-    for column in table.columns.iter().filter(|column| !column.scope.is_empty()) {
-        match scopes.iter_mut().find(|(_, scope)| *scope == column.scope) {
-            Some((names, _)) => names.push(&column.name),
-            None => scopes.push((vec![&column.name], &column.scope)),
-        }
-    }
-    scopes
 }
 
 fn rows(table: &PublishedTable, rows: &[PublishedRow]) -> Table {

@@ -117,8 +117,8 @@ fn table<'a>(told: &'a ToldTable, at: Option<&mut Evaluation<'a>>) -> Table {
     sheet.table(&rows)
 }
 
-/// Its charts.
-pub(super) fn charts<'a>(page: &'a Page<'a>, told: &'static ToldChart) -> Vec<SeriesChart> {
+/// Its charts, with what their files are called without their ends.
+pub(super) fn charts<'a>(page: &'a Page<'a>, told: &'static ToldChart) -> Vec<(String, SeriesChart)> {
     let mut charts = Vec::new();
     if let Some(mut at) = Evaluation::of_page(page) {
         at.each(&told.each, &mut |at| charts.push(chart(page, told, at)));
@@ -126,7 +126,7 @@ pub(super) fn charts<'a>(page: &'a Page<'a>, told: &'static ToldChart) -> Vec<Se
     charts
 }
 
-fn chart<'a>(page: &Page<'_>, told: &'static ToldChart, at: &mut Evaluation<'a>) -> SeriesChart {
+fn chart<'a>(page: &Page<'_>, told: &'static ToldChart, at: &mut Evaluation<'a>) -> (String, SeriesChart) {
     let words = |at: &mut Evaluation<'a>, what: &'a Expression| at.cell(what).describe();
     let rest = told.name.as_ref().map_or_else(String::new, |name| words(at, name));
     let has_key = told.key_if.as_ref().is_none_or(|key| at.holds(key) == Some(true));
@@ -159,11 +159,7 @@ fn chart<'a>(page: &Page<'_>, told: &'static ToldChart, at: &mut Evaluation<'a>)
             });
         }
     });
-    SeriesChart {
-        stem: file_stem(&format!("figure_{}{rest}", page.experiment.name.replace('-', "_"))),
-        title: told.title.clone(),
-        subtitle,
-        key: told.key.as_ref().filter(|_| has_key).map(|key| key.each_ref().map(String::as_str)),
-        panels,
-    }
+    let stem = file_stem(&format!("figure_{}{rest}", page.experiment.name.replace('-', "_")));
+    let key = told.key.as_ref().filter(|_| has_key).map(|key| key.each_ref().map(String::as_str));
+    (stem, SeriesChart { title: told.title.clone(), subtitle, key, panels })
 }

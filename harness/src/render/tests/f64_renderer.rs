@@ -101,7 +101,7 @@ impl Renderer<'_> {
             }
             Effect::Normals => return normal * 0.5 + 0.5,
             Effect::Ao => {
-                let direction = Self::scattered(normal, numbers.stream(bounce, 2));
+                let direction = Self::scattered(normal, Numbers { bounce, ..numbers }.stream(2));
                 let blocked = closest(self.model, above, direction, 0.1 * stage.diagonal).is_some();
                 return DVec3::splat(if blocked { 0.0 } else { 1.0 });
             }
@@ -127,7 +127,7 @@ impl Renderer<'_> {
                     _ => 0,
                 };
                 let direct = self.direct(point, normal, colour);
-                direct + follows(most, above, Self::scattered(normal, numbers.stream(bounce, 1)))
+                direct + follows(most, above, Self::scattered(normal, Numbers { bounce, ..numbers }.stream(1)))
             }
         }
     }
@@ -143,8 +143,8 @@ pub(super) fn image(model: &Model, stage: &Stage, effect: Effect, viewpoint: &Vi
     let pixel = |pixel: u32| -> [f32; 3] {
         let mut sum = DVec3::ZERO;
         for sample in 0..SPP {
-            let numbers = Numbers { seed: SEED, pixel, sample };
-            let mut stream = numbers.stream(0, 0);
+            let numbers = Numbers { seed: SEED, pixel, sample, bounce: 0 };
+            let mut stream = numbers.stream(0);
             let [x, y] = if sample == 0 { [0.5; 2] } else { [stream.unit(), stream.unit()] };
             let x = (f64::from(pixel % SIZE[0]) + x) / width * 2.0 - 1.0;
             let y = 1.0 - (f64::from(pixel / SIZE[0]) + y) / height * 2.0;

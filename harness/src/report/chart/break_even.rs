@@ -4,13 +4,12 @@ use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
 use super::frame::{Chart, Entry as Line, STRONG, Sample};
-use super::front::{FrontStyles, faint};
+use super::front::{faint, style_of};
 use super::palette::PLAIN;
 use super::panel::{Axis, Mark, Panel, Position, Scale};
 use super::scale::log_range;
 use super::{field_title, fronts_caption};
 use crate::report::format::percent;
-use crate::results::{ParetoRecord, Record};
 use crate::studies::pareto::{BEYOND, Class, ClassCost, Entry, Field};
 
 const PLOT_HEIGHT: f64 = 240.0;
@@ -21,13 +20,7 @@ const WIDTHS: [f64; 2] = [1.5, 0.75];
 const PLACES: u32 = 64;
 
 /// The chart of who overtakes whom: a panel a class.
-pub(in crate::report) fn chart(
-    record: &Record,
-    section: &ParetoRecord,
-    field: &Field<'_>,
-    classes: &[Class<'_>],
-) -> Chart {
-    let styles = &FrontStyles::of(section);
+pub(in crate::report) fn chart(field: &Field<'_>, classes: &[Class<'_>]) -> Chart {
     let met = classes.iter().flat_map(|class| &class.costs).map(|cost| cost.entry);
     let numbered: Vec<Entry<'_>> = met.unique_by(|entry| entry.index).collect();
     let key = vec![
@@ -38,13 +31,13 @@ pub(in crate::report) fn chart(
     ];
     let named = |entry: &Entry<'_>| {
         let label = format!("{}: {}", number(&numbered, entry), entry.point.label());
-        Line::new(Sample::Line(styles.get(entry.point)), label)
+        Line::new(Sample::Line(style_of(field, entry.point)), label)
     };
     let legends = [numbered.iter().map(named).collect(), key];
     let by = classes.first().map_or("", |class| class.by.name());
     let below = format!("viewpoint {}; points that are right as often, by {by}", field.viewpoint.name);
-    let panels = classes.iter().map(|class| panel(class, styles, &numbered)).collect();
-    Chart::new(panels, [field_title("Break-even", field), below], fronts_caption(record), legends)
+    let panels = classes.iter().map(|class| panel(class, &numbered)).collect();
+    Chart::new(panels, [field_title("Break-even", field), below], fronts_caption(field.record), legends)
         .in_columns(3, PLOT_HEIGHT)
 }
 
@@ -64,7 +57,7 @@ struct Curve {
     colour: RGBColor,
 }
 
-fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>, styles: &FrontStyles) -> Curve {
+fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>) -> Curve {
     let rays = || cost.cost.traces.samples.iter().map(|(rays, _)| *rays);
     let least = rays().fold(f64::INFINITY, f64::min) / BEYOND;
     let most = rays().fold(0.0, f64::max) * BEYOND;
@@ -81,7 +74,7 @@ fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>, styles: &FrontSt
         .filter(|(from, to)| from < to)
         .map(|(from, to)| between(from, to))
         .collect();
-    let (own, is_behind, line) = (styles.get(cost.entry.point), strong.is_empty(), between(least, most));
+    let (own, is_behind, line) = (style_of(class.field, cost.entry.point), strong.is_empty(), between(least, most));
     let style = if is_behind { faint(own) } else { own };
     let mut marks = vec![Mark::line(&line, style.colour, WIDTHS[usize::from(is_behind)])];
     marks.extend(strong.iter().map(|places| Mark::line(places, style.colour, STRONG)));
@@ -89,10 +82,9 @@ fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>, styles: &FrontSt
     Curve { is_behind, line, marks, colour: own.colour }
 }
 
-fn panel(class: &Class<'_>, styles: &FrontStyles, numbered: &[Entry<'_>]) -> Panel {
+fn panel(class: &Class<'_>, numbered: &[Entry<'_>]) -> Panel {
     let overtakes = || class.stretches.iter().filter_map(|stretch| stretch.overtakes.as_ref());
-    let of =
-        |(place, cost): (usize, &ClassCost<'_>)| (number(numbered, &cost.entry), curve(class, place, cost, styles));
+    let of = |(place, cost): (usize, &ClassCost<'_>)| (number(numbered, &cost.entry), curve(class, place, cost));
     let mut curves: Vec<(String, Curve)> = class.costs.iter().enumerate().map(of).collect();
     // Those that are cheapest somewhere lie on top.
     curves.sort_by_key(|(_, curve)| !curve.is_behind);

@@ -3,7 +3,6 @@
 
 use super::palette::Style;
 use super::panel::{Aside, Axis, Control, Mark, Panel, Position, Scale};
-use super::scale::log_range;
 use super::{LONGEST_VALUE, cut};
 pub(super) use crate::studies::pareto::Amount as Measured;
 use crate::studies::sweep::Multiple;
@@ -12,8 +11,6 @@ const FILLED: f64 = 4.0;
 const HOLLOW: f64 = 6.0;
 /// Widths of lines: solid and dashed ones.
 const WIDTHS: [f64; 2] = [2.0, 1.0];
-/// The most labels of an axis of logarithms.
-const LABELS: usize = 5;
 
 /// A curve.
 #[derive(Debug)]
@@ -41,7 +38,7 @@ pub(super) struct Values {
     /// Where nothing was measured.
     skipped: Vec<f64>,
     /// Whether there is anything between two places, so that a line may lead from one to the other.
-    joined: fn(f64, f64) -> bool,
+    joined: bool,
 }
 
 impl Values {
@@ -49,7 +46,7 @@ impl Values {
     pub(super) fn steps(name: String, labels: Vec<String>, shaded: Option<usize>) -> Self {
         let places = (0..labels.len()).map(|step| step as f64).collect();
         let axis = Axis { name, scale: Scale::Steps(labels, shaded) };
-        Self { axis, places, skipped: Vec::new(), joined: |_, _| true }
+        Self { axis, places, skipped: Vec::new(), joined: true }
     }
 
     /// Values of a parameter at equal distances, of which one may be shaded. Lines join numbers, and not names.
@@ -57,21 +54,7 @@ impl Values {
         let is_number = |value: &String| value.parse::<f64>().is_ok() || Multiple::parse(value).is_some();
         let numbers = values.iter().all(is_number);
         let labels = values.iter().map(|value| cut(value, LONGEST_VALUE)).collect();
-        let steps = Self::steps(name, labels, shaded);
-        if numbers { steps } else { Self { joined: |_, _| false, ..steps } }
-    }
-
-    /// Values by their logarithms if they are numbers from zero up, two of them above it; else at equal distances. No line
-    /// leads to zero.
-    pub(super) fn logarithmic(name: String, values: &[String]) -> Self {
-        let number = |value: &String| value.parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
-        let numbers: Option<Vec<f64>> = values.iter().map(number).collect();
-        let above = |numbers: &[f64]| numbers.iter().filter(|number| **number > 0.0).count();
-        let Some(places) = numbers.filter(|numbers| above(numbers) > 1) else { return Self::even(name, values, None) };
-        let range = log_range(places.iter().copied());
-        let zero = above(&places) < places.len();
-        let scale = if zero { Scale::LogAndZero(range, LABELS) } else { Scale::Log(range, LABELS) };
-        Self { axis: Axis { name, scale }, places, skipped: Vec::new(), joined: |one, other| one > 0.0 && other > 0.0 }
+        Self { joined: numbers, ..Self::steps(name, labels, shaded) }
     }
 
     /// With those marked at which nothing was measured.
@@ -103,7 +86,7 @@ impl Values {
             let places: Vec<Option<Position>> = found.clone().map(|one| one.map(|(x, one)| (x, one.value))).collect();
             for pair in places.windows(2) {
                 let &[Some(one), Some(other)] = pair else { continue };
-                if (self.joined)(one.0, other.0) {
+                if self.joined {
                     let width = WIDTHS[usize::from(dashed)];
                     lines.push(Mark::Line { places: vec![one, other], colour, width, dashed, aside });
                 }
@@ -128,7 +111,7 @@ mod tests {
 
     fn values(all: &[&str]) -> Values {
         let all: Vec<String> = all.iter().map(|value| (*value).to_owned()).collect();
-        Values::logarithmic(String::new(), &all)
+        Values::even(String::new(), &all, None)
     }
 
     /// Marks of a curve by kind: lines by the places of their ends, bars, markers.
@@ -147,22 +130,15 @@ mod tests {
         (lines, bars, markers)
     }
 
-    /// Numbers from zero up stand by their logarithms with no line to zero; names, negative numbers and a lone number stand at
-    /// equal distances, and no line joins names.
+    /// Values stand at equal distances, and lines join numbers, and not names.
     #[test]
     fn lines_join_numbers() {
-        let all = |values: &Values| marks(values, vec![Some(Measured::exact(1.0)); values.places.len()]).0;
-        let log = values(&["0", "0.001", "0.01"]);
-        assert!(matches!(log.axis.scale, Scale::LogAndZero(..)), "{log:?}");
-        assert_eq!((log.places.as_slice(), all(&log)), (&[0.0, 0.001, 0.01][..], vec![[0.001, 0.01]]));
-        assert!(all(&values(&["1", "0.1", "0"])) == [[1.0, 0.1]]);
-        let above = values(&["1", "2", "16"]);
-        assert!(matches!(above.axis.scale, Scale::Log(..)) && all(&above).len() == 2, "{above:?}");
-        for (odd, lines) in [(&["a", "b", "c"][..], 0), (&["-1", "1", "2"], 2), (&["0", "1"], 1), (&["0", "1", "x"], 0)]
+        for (all, lines) in [(&["a", "b", "c"][..], 0), (&["-1", "1", "2"], 2), (&["0", "1"], 1), (&["0", "1", "x"], 0)]
         {
-            let even = values(odd);
-            assert!(matches!(&even.axis.scale, Scale::Steps(names, None) if names.as_slice() == odd), "{even:?}");
-            assert_eq!((even.places[1], all(&even).len()), (1.0, lines), "{odd:?}");
+            let even = values(all);
+            let (drawn, ..) = marks(&even, vec![Some(Measured::exact(1.0)); all.len()]);
+            assert!(matches!(&even.axis.scale, Scale::Steps(names, None) if names.as_slice() == all), "{even:?}");
+            assert_eq!((even.places[1], drawn.len()), (1.0, lines), "{all:?}");
         }
     }
 
@@ -176,7 +152,7 @@ mod tests {
             Some(Measured::exact(3.0)),
         ];
         let four = values(&["1", "2", "4", "8"]);
-        assert_eq!(marks(&four, at), (vec![[1.0, 2.0]], vec![1.0], vec![1.0, 2.0, 8.0]));
+        assert_eq!(marks(&four, at), (vec![[0.0, 1.0]], vec![0.0], vec![0.0, 1.0, 3.0]));
         let none = four.panel(String::new(), four.axis.clone(), &[], Vec::new());
         assert_eq!(none.note, Some("nothing was measured"));
     }

@@ -160,12 +160,8 @@ fn in_columns(entries: &[Entry], width: f64) -> Vec<Vec<(f64, Entry)>> {
     };
     let fits = |count: &usize| columns_of(*count).iter().sum::<f64>() <= width + 14.0;
     let count = (1..=entries.len().min(6)).rev().find(fits).unwrap_or(1);
-    let (mut left, mut lefts) = (0.0, Vec::new());
-    for column in columns_of(count) {
-        lefts.push(left);
-        left += column;
-    }
-    entries.chunks(count).map(|row| lefts.iter().copied().zip(row.iter().cloned()).collect()).collect()
+    let lefts = || columns_of(count).into_iter().scan(0.0, |left, width| Some(std::mem::replace(left, *left + width)));
+    entries.chunks(count).map(|row| lefts().zip(row.iter().cloned()).collect()).collect()
 }
 
 fn draw_sample(canvas: &mut Canvas, sample: Sample, (x, y): (f64, f64)) {

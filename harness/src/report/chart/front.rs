@@ -10,15 +10,15 @@ use tracebench_api::Query;
 
 use super::canvas::{Align, Canvas};
 use super::frame::{Chart, Entry as Line, Rect, Sample};
-use super::palette::{INK, PLAIN, Shape, Style, Styles};
+use super::palette::{INK, PLAIN, Shape, Style, colour};
 use super::panel::{Along, Axis, Mark, Panel, Scale, level};
 use super::scale::log_range;
 use super::{error_name, field_title, fronts_caption, invalid};
 use crate::report::format::{significant, thousands};
 use crate::report::pareto::{as_read, cost_name, rays_a_pixel};
 use crate::report::verdict;
-use crate::results::{FrontPoint, ParetoRecord, Record, Row, TraceRecord};
-use crate::studies::pareto::{Amount, By, Cost, CostAndError, Entry, Field, FrontStatus, Wrong};
+use crate::results::{FrontPoint, Row, TraceRecord};
+use crate::studies::pareto::{Amount, By, Cost, Entry, Field, FrontStatus, Standing, Wrong};
 pub(in crate::report) use names::Name;
 use names::names;
 
@@ -106,24 +106,19 @@ pub(in crate::report) struct Placed<'a> {
     pub arrow: Vec<Places>,
 }
 
-/// A colour of its own for every tracer of a record; its presets differ in form and in how dark they are.
-#[derive(Debug)]
-pub(super) struct FrontStyles {
-    styles: Styles,
+/// A colour of its own for every tracer of a field's record.
+fn colour_of(field: &Field<'_>, tracer: &str) -> RGBColor {
+    let mut tracers = field.section.points.iter().map(|point| &point.tracer).unique();
+    colour(tracers.position(|other| other == tracer).unwrap_or(0))
 }
 
-impl FrontStyles {
-    pub(super) fn of(section: &ParetoRecord) -> Self {
-        Self { styles: Styles::of_labels(section.points.iter().map(|point| point.tracer.clone())) }
-    }
-
-    pub(super) fn get(&self, point: &FrontPoint) -> Style {
-        let Style { colour, .. } = self.styles.get(&point.tracer);
-        if point.preset == "published" {
-            Style { colour, shape: Shape::Circle }
-        } else {
-            Style { colour: mixed(colour, RGBColor(0, 0, 0), 0.35), shape: Shape::Polygon(4, 0) }
-        }
+/// A tracer's presets differ in form and in how dark they are.
+pub(super) fn style_of(field: &Field<'_>, point: &FrontPoint) -> Style {
+    let colour = colour_of(field, &point.tracer);
+    if point.preset == "published" {
+        Style { colour, shape: Shape::Circle }
+    } else {
+        Style { colour: mixed(colour, RGBColor(0, 0, 0), 0.35), shape: Shape::Polygon(4, 0) }
     }
 }
 
@@ -138,22 +133,22 @@ pub(super) fn faint(style: Style) -> Style {
     Style { colour: mixed(style.colour, RGBColor(255, 255, 255), WHITENED), ..style }
 }
 
-/// The fronts of every cost over one ray set by one rule.
-pub(in crate::report) fn fronts(record: &Record, section: &ParetoRecord, field: &Field<'_>, by: By) -> Chart {
+/// The fronts of the costs that are wanted over one ray set by one rule.
+pub(in crate::report) fn fronts(field: &Field<'_>, by: By, is_wanted: impl Fn(Cost) -> bool) -> Chart {
     let title = |cost: Cost| match cost {
         Cost::Trace => "speed".to_owned(),
         Cost::Build => "build time".to_owned(),
         Cost::Bytes => "bytes to trace".to_owned(),
         Cost::Frame(rays) => format!("frame of {}", rays_a_pixel(rays)),
     };
-    let asked = Cost::all(&section.rays_per_pixel).into_iter().map(|cost| (title(cost), cost, field.entries.clone()));
-    let asked: Vec<Asked<'_>> = asked.collect();
-    let columns = if asked.len() > 4 { 3 } else { 2 };
-    chart(record, section, field, by, "Fronts", asked).in_columns(columns, PLOT_HEIGHT)
+    let costs = Cost::all(&field.section.rays_per_pixel).into_iter().filter(|cost| is_wanted(*cost));
+    let asked: Vec<Asked<'_>> = costs.map(|cost| (title(cost), cost, field.entries.clone())).collect();
+    let columns = if asked.len() > 4 { 3 } else { asked.len().min(2) };
+    chart(field, by, "Fronts", asked).in_columns(columns, PLOT_HEIGHT)
 }
 
 /// Those of speed over the points within budgets, the least first: at matched bytes and build time, where there are any.
-pub(in crate::report) fn matched(record: &Record, section: &ParetoRecord, field: &Field<'_>, by: By) -> Option<Chart> {
+pub(in crate::report) fn matched(field: &Field<'_>, by: By) -> Option<Chart> {
     let within = |cost: Cost, budget: f64| {
         let read = significant(as_read(field, cost, Amount::exact(budget)).value, 2);
         let title = match cost {
@@ -165,20 +160,12 @@ pub(in crate::report) fn matched(record: &Record, section: &ParetoRecord, field:
     let of_cost = |cost| field.budgets(cost).into_iter().map(move |budget| within(cost, budget));
     let asked: Vec<Asked<'_>> = [Cost::Bytes, Cost::Build].into_iter().flat_map(of_cost).collect();
     let what = "Fronts at matched bytes and build time";
-    (!asked.is_empty()).then(|| chart(record, section, field, by, what, asked).in_columns(3, PLOT_HEIGHT))
+    (!asked.is_empty()).then(|| chart(field, by, what, asked).in_columns(3, PLOT_HEIGHT))
 }
 
 /// Panels over one ray set under one rule.
-fn chart(
-    record: &Record,
-    section: &ParetoRecord,
-    field: &Field<'_>,
-    by: By,
-    what: &str,
-    asked: Vec<Asked<'_>>,
-) -> Chart {
-    let styles = &FrontStyles::of(section);
-    let points: Vec<Points> = asked.iter().map(|(_, cost, all)| Points::of(field, by, *cost, all, styles)).collect();
+fn chart(field: &Field<'_>, by: By, what: &str, asked: Vec<Asked<'_>>) -> Chart {
+    let points: Vec<Points> = asked.iter().map(|(_, cost, all)| Points::of(field, by, *cost, all)).collect();
     let drawn = points.iter().flat_map(|points| &points.all).map(|point| point.y);
     // The decimal logarithm of the least error that is shown.
     let floor = drawn.filter(|y| *y > 0.0).fold(0.1, f64::min).log10() - 0.25;
@@ -192,16 +179,16 @@ fn chart(
         Line::new(Sample::Bars, "95 % interval of the error, order-statistic interval of the time"),
     ];
     let configs = field.entries.iter().unique_by(|entry| entry.point.config());
-    let line = |entry: &Entry<'_>| Line::new(Sample::Line(styles.get(entry.point)), entry.point.config());
+    let line = |entry: &Entry<'_>| Line::new(Sample::Line(style_of(field, entry.point)), entry.point.config());
     let below = format!(
         "{}viewpoint {}; {} rays; wrong by {}; arrow: fewer than 3 of N rays wrong, drawn at the bound 3/N",
-        invalid(&verdict::controls(record)),
+        invalid(&verdict::controls(field.record)),
         field.viewpoint.name,
         thousands(field.count),
         by.name()
     );
     let legends = [configs.map(line).collect(), key];
-    Chart::new(panels.collect(), [field_title(what, field), below], fronts_caption(record), legends)
+    Chart::new(panels.collect(), [field_title(what, field), below], fronts_caption(field.record), legends)
 }
 
 fn panel(field: &Field<'_>, by: By, title: String, points: Points, floor: f64) -> Panel {
@@ -252,13 +239,13 @@ impl Point {
 }
 
 impl Points {
-    fn of<'a>(field: &Field<'a>, by: By, cost: Cost, entries: &[Entry<'a>], styles: &FrontStyles) -> Self {
-        let point = |(entry, spot, front_status): (Entry<'a>, CostAndError, FrontStatus)| {
+    fn of<'a>(field: &Field<'a>, by: By, cost: Cost, entries: &[Entry<'a>]) -> Self {
+        let point = |(entry, spot, front_status): Standing<'a>| {
             let wrong = Wrong::of(entry.trace, by)?;
             Some(Point {
                 index: entry.index,
                 tracer: entry.point.tracer.clone(),
-                style: styles.get(entry.point),
+                style: style_of(field, entry.point),
                 x: as_read(field, cost, field.cost(&entry, cost)?),
                 error: wrong.share,
                 y: spot.error,
@@ -269,14 +256,14 @@ impl Points {
                 cost: spot.cost,
             })
         };
-        let corner = |(_, spot): (Entry<'a>, CostAndError)| {
-            (spot.cost, as_read(field, cost, Amount::exact(spot.cost)).value, spot.error)
-        };
+        let read = |value: f64| as_read(field, cost, Amount::exact(value)).value;
+        let corner = |(_, spot, _): Standing<'a>| (spot.cost, read(spot.cost), spot.error);
         let own = |tracer: &str| {
             let entries: Vec<Entry<'a>> = entries.iter().copied().filter(|each| each.point.tracer == tracer).collect();
-            let published = FrontPoint { preset: "published".to_owned(), ..entries.first()?.point.clone() };
-            let corners = field.front(&entries, cost, by).into_iter().map(corner).collect();
-            Some((tracer.to_owned(), styles.get(&published).colour, corners))
+            entries.first()?;
+            let mut front = field.front_statuses(&entries, cost, by);
+            front.retain(|(.., front_status)| *front_status == FrontStatus::OnFront);
+            Some((tracer.to_owned(), colour_of(field, tracer), front.into_iter().map(corner).collect()))
         };
         let mut all: Vec<Point> = field.front_statuses(entries, cost, by).into_iter().filter_map(point).collect();
         for tracer in field.tracers() {
@@ -295,7 +282,7 @@ impl Points {
         let on_front = self.all.iter().filter(|point| point.front_status == FrontStatus::OnFront);
         let front = line_round(on_front.map(|point| (point.cost, point.x.value, point.y)).collect(), [x, y]);
         let mut points: Vec<Placed<'_>> = self.all.iter().map(|point| point.placed([x, y])).collect();
-        let names = names(panel, y, rect, &front, &points);
+        let names = names(panel, rect, &front, &points);
         points.sort_by_key(|Placed { point, .. }| (Reverse(point.front_status), point.is_best));
         Layer { own: own.collect(), front, points, names }
     }

@@ -14,7 +14,6 @@ pub(crate) mod series;
 pub(super) mod sweep;
 #[cfg(test)]
 mod tests;
-pub(super) mod tune;
 
 use std::error::Error;
 
@@ -25,7 +24,7 @@ use super::document::set_heading;
 use super::format;
 use super::group::{Group, RaySet};
 use super::metrics::BALANCED;
-use super::verdict::{self, Verdict};
+use super::verdict;
 use super::{Contents, ReportError};
 use crate::results::{Provenance, Record, Row, SceneRecord};
 use crate::studies::pareto::Field;
@@ -55,7 +54,7 @@ pub(super) fn files<'a>(charts: impl Iterator<Item = (&'a str, &'a Chart)>) -> R
     for (stem, chart) in charts {
         let drawn = chart.drawn();
         files.push((format!("{stem}.svg"), drawn.svg().into_bytes()));
-        let fail = |error: Box<dyn Error>| ReportError::NotMade { what: stem.to_owned(), reason: error.to_string() };
+        let fail = |error: Box<dyn Error>| ReportError::NotMade(stem.to_owned(), error.to_string());
         files.push((format!("{stem}.png"), drawn.png().map_err(fail)?));
     }
     Ok(files)
@@ -67,8 +66,8 @@ pub(super) fn colour(index: usize) -> String {
 }
 
 /// What stands before all else where controls fail.
-fn invalid(controls: &Verdict) -> &'static str {
-    if *controls == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " }
+fn invalid(failed: &[String]) -> &'static str {
+    if failed.is_empty() { "" } else { "VOID, CONTROLS FAIL: " }
 }
 
 fn scene_title(what: &str, scene: &SceneRecord) -> String {

@@ -44,8 +44,6 @@ pub(super) enum Mark {
     Along { places: Vec<Position>, radius: f64, style: Style, from: f64 },
     /// The intervals of a place by the lower axis, if it has one there, and by the left one.
     Bars { place: Position, across: Option<[f64; 2]>, up: [f64; 2], colour: RGBColor, aside: Aside },
-    /// A hollow marker so far above its place, or below it, within the panel.
-    Above { place: Position, by: f64, radius: f64, style: Style },
     /// A value of the lower axis.
     Rule(f64),
     /// A word upwards at a value of the lower axis.
@@ -202,11 +200,6 @@ impl Panel {
                     canvas.path(&[(left - CAP, end), (left + CAP, end)], *colour, 1.0);
                 }
             }
-            Mark::Above { place, by, radius, style } => {
-                let (left, top) = at(place, Aside::default());
-                let top = (top - by).clamp(rect.top + radius, rect.bottom - radius);
-                canvas.hollow_marker((left, top), *radius, *style);
-            }
             Mark::Rule(value) => {
                 canvas.dashed(&[(x.at(*value), rect.top), (x.at(*value), rect.bottom)], CONTROL, 1.0);
             }
@@ -320,22 +313,6 @@ mod tests {
             named.iter().map(height).collect::<std::collections::BTreeSet<_>>().len()
         };
         assert_eq!([heights("v"), heights("a rather long value of it ")], [1, 2]);
-    }
-
-    /// A marker above its place is above it, and at the edge where there is no room.
-    #[test]
-    fn markers_above_stay_inside() {
-        let height = |value: f64, by: f64| {
-            let style = Style { colour: INK, shape: super::super::palette::Shape::Circle };
-            let mark = Mark::Above { place: (1.0, value), by, radius: 4.0, style };
-            let svg = drawn(Scale::Steps(vec![String::new(); 3], None), Vec::new(), vec![mark]);
-            let circle = lines_with(&svg, &["<circle", "#222222"])[0].to_owned();
-            circle.split(" cy=\"").nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
-        };
-        let middle = height(75.0, 0.0);
-        assert_eq!([height(75.0, 12.0), height(75.0, -12.0)], [middle - 24.0, middle + 24.0]);
-        assert_eq!(height(f64::INFINITY, -9.0), height(100.0, -9.0));
-        assert!(height(100.0, 12.0) == height(f64::INFINITY, 99.0) && height(100.0, 12.0) < height(100.0, -9.0));
     }
 
     /// Crowded places end a gap apart, in order, within bounds.

@@ -41,8 +41,6 @@ pub(crate) struct SeriesPanel {
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SeriesChart {
-    /// What its files are called, without their ends.
-    pub stem: String,
     pub title: String,
     pub subtitle: String,
     /// What solid and dashed lines are, where it has both.

@@ -11,7 +11,7 @@ use tracebench_api::{ClockKind, Query};
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Chart, Entry, Sample};
 use super::palette::{INK, PLAIN, Shape, Style, Styles};
-use super::panel::{Aside, Axis, Panel, Scale, level};
+use super::panel::{Aside, Axis, Mark, Panel, Scale, level};
 use super::scale::log_range;
 use super::{LONGEST_VALUE, caption, cut, invalid, name_with_unit, panel_title, scene_title};
 use crate::report::format;
@@ -21,6 +21,7 @@ use crate::report::sweep::{self, Cell, View};
 use crate::report::verdict;
 use crate::results::{Record, Row, Times, TraceRecord, said};
 use crate::studies::sweep::RESOLUTION;
+use crate::studies::tune::Label;
 
 const PLOT_HEIGHT: f64 = 190.0;
 
@@ -43,7 +44,10 @@ pub(in crate::report) fn chart(record: &Record, view: &View<'_>) -> Chart {
     let plain = Style { colour: INK, shape: Shape::Circle };
     let of_curve = |curve| if view.other.is_none() { plain } else { curve_styles.get(&curve_label(curve)) };
     let styles: Vec<Style> = view.curves.iter().map(of_curve).collect();
-    let mut panels = vec![memory(view, &values, &styles), build(view, &values, &styles), speed(view, &values, &styles)];
+    let mut panels = vec![memory(view, &values, &styles)];
+    if !record.is_untimed() {
+        panels.extend([build(view, &values, &styles), speed(view, &values, &styles)]);
+    }
     let legend = match view.other {
         None => {
             let of_rule = |place: usize| {
@@ -73,9 +77,23 @@ pub(in crate::report) fn chart(record: &Record, view: &View<'_>) -> Chart {
         Entry::new(Sample::Dashes, "control"),
         Entry::new(Sample::Bars, "95 % interval of the error, order-statistic intervals of the times"),
     ];
+    let chosen = chosen(view);
+    for panel in &mut panels {
+        let places = chosen.iter().filter_map(|(_, value)| all.iter().position(|each| each == value));
+        // Below the curves.
+        panel.marks.splice(0..0, places.map(|place| Mark::Rule(values.places[place])));
+    }
     let columns = if panels.len() > 4 { 3 } else { 2 };
-    let caption = others(record, view) + &caption(record, view.group);
+    let told = chosen.iter().map(|(label, value)| format!("{} {}", label.name(), cut(value, LONGEST_VALUE))).join(", ");
+    let told = if told.is_empty() { told } else { format!("Upright dashes: {told}. ") };
+    let caption = others(record, view) + &told + &caption(record, view.group);
     Chart::new(panels, titled(record, view), caption, [legend, key]).in_columns(columns, PLOT_HEIGHT)
+}
+
+/// The values that would be chosen.
+fn chosen<'a>(view: &View<'a>) -> Vec<(Label, &'a str)> {
+    let of = |label: Label| Some((label, view.tuned?.chosen(label)?));
+    Label::ALL.into_iter().filter_map(of).collect()
 }
 
 fn curve_label(curve: &sweep::Curve<'_>) -> String {

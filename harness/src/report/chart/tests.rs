@@ -220,7 +220,6 @@ fn series_are_drawn_whatever_they_hold() {
         (vec![], [true, false]),
     ] {
         let chart = SeriesChart {
-            stem: "figure_x".to_owned(),
             title: "Title".to_owned(),
             subtitle: "subtitle".to_owned(),
             key: Some(["solid", "broken"]),

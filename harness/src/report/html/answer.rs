@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::read::{Names, Read};
+use super::read::{Names, Read, Records};
 use super::write::plain_html;
 use super::{Place, budget, first};
 use crate::report::document::Document;
@@ -11,7 +11,7 @@ use crate::report::metrics;
 use crate::report::pareto::page::{aimed, asked, right, too_few, with_cost};
 use crate::report::pareto::{as_read, cost_name};
 use crate::report::sheet::{Cell, Column, Sheet, Table};
-use crate::report::verdict::{self, Verdict};
+use crate::report::verdict;
 use crate::results::Record;
 use crate::studies::pareto::{Aim, By, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
 
@@ -19,18 +19,12 @@ use crate::studies::pareto::{Aim, By, Check, Entry, Field, LEVELS, Wrong, best, 
 pub(super) const ASKED: f64 = LEVELS[1];
 
 /// The answer in a sentence, which to choose and why, and every method.
-pub(super) fn section(
-    places: &[Place<'_>],
-    records: &[Read<'_>],
-    machines: &[String],
-    copies: &[[String; 2]],
-    names: &Names,
-) -> String {
+pub(super) fn section(places: &[Place<'_>], records: &Records<'_>, names: &Names) -> String {
     let same = |[copy, of]: &[String; 2]| format!("{copy} (as {of})");
-    let copies: Vec<String> = copies.iter().map(same).collect();
-    let notes = doubts(records)
+    let copies: Vec<String> = records.copies.iter().map(same).collect();
+    let notes = doubts(&records.all)
         .paragraph(few("Left out, since the same record is there", &copies, "Left out"))
-        .paragraphs((1..).zip(machines).map(|(number, machine)| format!("Machine {number}: {machine}.")));
+        .paragraphs((1..).zip(&records.machines).map(|(number, machine)| format!("Machine {number}: {machine}.")));
     let mut html = format!(
         "<div class=\"answer\">{}</div>\n<div class=\"notes\">{}</div>\n",
         first::in_short(places),
@@ -84,7 +78,7 @@ fn few(what: &str, all: &[String], below: &str) -> String {
 }
 
 fn is_invalid(record: &Record) -> bool {
-    verdict::controls(record) != Verdict::Sound
+    !verdict::controls(record).is_empty()
 }
 
 pub(super) fn is_smoke(record: &Record) -> bool {
@@ -188,7 +182,7 @@ fn why(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> String {
     if let Some(cheapest) = cheaper.min_by(|one, other| of(one).total_cmp(&of(other))) {
         said.push(format!("{} is {less} but right in {}", cheapest.point.label(), right_share(place, cheapest)));
     }
-    said.push(match check(&place.shown.fronts.elsewhere, field.rays, found.point, by, level) {
+    said.push(match check(field, found.point, by, level) {
         Check::Holds(_) => "from another viewpoint it is right as often".to_owned(),
         Check::WithinNoise(_) => "from another viewpoint it is right as often within noise".to_owned(),
         Check::Misses(_, by) => {

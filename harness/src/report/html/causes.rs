@@ -69,7 +69,7 @@ fn rule(by: By) -> &'static str {
 fn rows<'a>(place: &'a Place<'a>) -> impl Iterator<Item = TableRow<'a>> {
     // Of a study of fronts the points that every configuration starts from.
     let is_further = |index: usize| {
-        let (before, config) = (&place.section.points[..index], place.section.points[index].config());
+        let (before, config) = (&place.field.section.points[..index], place.field.section.points[index].config());
         place.read.record.pareto.is_some() && before.iter().any(|point| point.config() == config)
     };
     place.field.entries.iter().filter(move |entry| !is_further(entry.index)).filter_map(|entry| {

@@ -7,33 +7,28 @@ use itertools::Itertools as _;
 
 use super::answer::{ASKED, is_smoke, is_within_noise};
 use super::pieces::{Tags, escape};
-use super::read::Read;
+use super::read::Records;
 use super::write::inline;
 use super::{Place, told};
 use crate::report::group::gathered;
 use crate::report::pareto::page::{asked, too_few};
-use crate::report::verdict::{self, Verdict};
+use crate::report::verdict;
 use crate::studies::pareto::{Aim, best};
 
 /// So many tracers are named in a sentence; others are counted.
 const MAX_NAMED: usize = 3;
 
 /// Sentences, a chart with its figure, and links to what most readers look for next; `others` are sections with their titles.
-pub(super) fn screen(
-    places: &[Place<'_>],
-    records: &[Read<'_>],
-    machines: &[String],
-    chart: &str,
-    others: &[(&'static str, &'static str)],
-) -> String {
+pub(super) fn screen(places: &[Place<'_>], records: &Records<'_>, chart: &str, others: &[(&str, &str)]) -> String {
     let mut html = "<section id=\"first\">\n<div class=\"needs\">".to_owned();
-    for machine in 1..=machines.len() {
+    let machines = records.machines.len();
+    for machine in 1..=machines {
         let cases = cases_of(places, machine);
         if !cases.is_empty() {
-            html += &sentences(&cases, (machines.len() > 1).then_some(machine));
+            html += &sentences(&cases, (machines > 1).then_some(machine));
         }
     }
-    let told = records.iter().filter(|read| places.is_empty() && verdict::controls(&read.record) == Verdict::Sound);
+    let told = records.all.iter().filter(|read| places.is_empty() && verdict::controls(&read.record).is_empty());
     let told: String = told.flat_map(|read| told::sentences(&read.record)).map(|told| item(&inline(&told))).collect();
     if !told.is_empty() {
         let _ = writeln!(html, "<ul>\n{told}</ul>");

@@ -24,9 +24,9 @@ use crate::studies::pareto::{By, Cost, FrontStatus, Wrong};
 pub(super) fn fronts(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for place in places {
-        let chart = front::fronts(&place.read.record, place.section, place.field, place.by);
+        let chart = front::fronts(place.field, place.by, |_| true);
         pieces.push(place.piece(Rank::Front, "fronts", with_points(place, chart)));
-        let on_fronts = by_rule(place, |by| page::front_points(&place.read.record, place.section, place.field, by));
+        let on_fronts = by_rule(place, |by| page::front_points(place.field, by));
         pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &on_fronts, names));
     }
     let of_record = |place: &Place<'_>| Piece::fixed(points(place));
@@ -37,7 +37,7 @@ pub(super) fn fronts(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
 /// Operating points, and how far every tracer gets.
 pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let piece = |place: &Place<'_>| {
-        let points = |by| page::operating_points(place.shown, place.field, by).and(page::reach(place.field, by));
+        let points = |by| page::operating_points(place.field, by).and(page::reach(place.field, by));
         opened(Rank::Page, place, ["operating points", ""], &by_rule(place, points), names)
     };
     places.iter().map(piece).collect()
@@ -48,7 +48,7 @@ pub(super) fn break_even(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for place in places {
         // The chart stands above.
-        let text = page::break_even(&place.read.record, place.section, place.shown, place.field, place.by);
+        let text = page::break_even(place.field, place.by, String::new());
         let Some((_, chart)) = text.charts().next() else { continue };
         let (title, machine) = (place.title(), place.read.label());
         let alt = format!("Time of a frame over its number of rays, by tracer: {title}");
@@ -80,7 +80,7 @@ pub(super) fn details(title: &str, tags: &str, html: &str) -> String {
 /// Every point of a record with all of its parameters.
 fn points(place: &Place<'_>) -> String {
     let mut rows = String::new();
-    for (index, point) in place.section.points.iter().enumerate() {
+    for (index, point) in place.field.section.points.iter().enumerate() {
         let parameters = point.parameters.iter().map(|(name, value)| format!("{name}={}", said_value(value))).join(" ");
         let (id, tags, label) = (id(place, index), Tags::of_tracer(&point.tracer).text(), escape(&point.label()));
         let (parameters, size) = (escape(&parameters), format!("{}, {}", size(point.frame), point.face));
@@ -148,7 +148,7 @@ fn path(places: &Places) -> String {
 /// What a point is and does, in words.
 fn said(place: &Place<'_>, point: &Point, cost: Cost) -> String {
     let entry = place.field.entries.iter().find(|entry| entry.index == point.index);
-    let label = place.section.points[point.index].label();
+    let label = place.field.section.points[point.index].label();
     let wrong = entry.and_then(|entry| Some((Wrong::of(entry.trace, place.by)?, metrics::trials(entry.trace))));
     let right = wrong.map_or_else(String::new, |(wrong, trials)| format!("; right {}", page::right(&wrong, trials)));
     let read = match cost {

@@ -25,10 +25,8 @@ pub(super) use read::called;
 use itertools::Itertools as _;
 
 use super::document::Document;
-use super::pareto::{Shown, shown};
-use super::verdict::{self, Verdict};
-use super::{ReportError, Section, Tables, summary};
-use crate::results::{ParetoRecord, Record};
+use super::{ReportError, Section, Tables, summary, verdict};
+use crate::results::Record;
 use crate::studies::pareto::{By, Field};
 use pieces::{Piece, Rank, Tags, escape, fit};
 use read::{Names, Read, Records};
@@ -44,13 +42,7 @@ const RULES: &str = include_str!("../../../../RULES.md");
 pub type Claims = fn(&[Record]) -> Vec<Document>;
 
 /// What a page is made of besides records.
-#[derive(Clone, Copy)]
-pub struct Makers {
-    /// Tables.
-    pub tables: Tables,
-    /// Claims.
-    pub claims: Claims,
-}
+pub type Makers = (Tables, Claims);
 
 /// A page.
 #[derive(Debug)]
@@ -66,8 +58,6 @@ struct Place<'a> {
     read: &'a Read<'a>,
     /// The record's place among all.
     number: usize,
-    section: &'a ParetoRecord,
-    shown: &'a Shown<'a>,
     field: &'a Field<'a>,
     /// The rule that stands for all: by which charts show methods that sample.
     by: By,
@@ -99,43 +89,41 @@ impl Place<'_> {
 pub fn page(
     records: &[(String, Record)],
     missing: &[String],
-    makers: Makers,
+    (tables, claims): Makers,
     command: &str,
     max_bytes: usize,
 ) -> Result<Page, ReportError> {
-    let Records { all, machines, copies } = read::read(records);
-    let names = Names::of(&all);
-    let shown: Vec<Vec<Shown<'_>>> = all
-        .iter()
-        .map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.record, points)))
-        .collect();
-    let places = places(&all, &shown);
-    let pages = |section| records::pages(&all, section, &names, makers.tables);
+    let records = read::read(records);
+    let Records { all, copies, .. } = &records;
+    let names = Names::of(all);
+    let fields: Vec<Vec<Field<'_>>> = all.iter().map(Read::fields).collect();
+    let places = places(all, &fields);
+    let pages = |section| records::pages(all, section, &names, tables);
     let rows: Vec<Record> =
         all.iter().filter(|read| read.record.table.is_some()).map(|read| read.record.clone().into_owned()).collect();
     let mut tables = pages(Section::Table)?;
-    tables.extend((makers.claims)(&rows).iter().map(|page| records::claims(page, &names)));
+    tables.extend(claims(&rows).iter().map(|page| records::claims(page, &names)));
     let rules = fronts::details("How it is measured and judged", "", &write::rules(RULES));
     let mut sections = vec![
         ("fronts", "Fronts", fronts::fronts(&places, &names)),
         ("operating-points", "Operating points", fronts::operating_points(&places, &names)),
         ("break-even", "Break-even", fronts::break_even(&places, &names)),
         ("pictures", "Pictures of answers", pictures::pictures(&places)),
-        ("frames", "Frames", pictures::players(&all)),
+        ("frames", "Frames", pictures::players(all)),
         ("need", "The need curve", pages(Section::Need)?),
         ("tables", "Tables and claims beside the published values", tables),
         ("matrix", "The matrix", pages(Section::Matrix)?),
         ("causes", "Causes of wrong answers", causes::causes(&places, &names)),
         ("studies", "Sweeps and other studies", pages(Section::Study)?),
         ("runs", "Runs in full", pages(Section::Run)?),
-        ("machine", "Machines and records", vec![Piece::fixed(sources(&all, &names))]),
+        ("machine", "Machines and records", vec![Piece::fixed(sources(all, &names))]),
         ("rules", "Rules", vec![Piece::fixed(rules)]),
     ];
     // Those that have nothing are not there.
     sections.retain(|(.., pieces)| !pieces.is_empty());
     let titles = sections.iter().map(|(id, title, _)| (*id, *title)).collect_vec();
     let chart = first_chart(&mut sections, first::hardest(&places).map(Place::title));
-    let first = first::screen(&places, &all, &machines, &chart, &titles);
+    let first = first::screen(&places, &records, &chart, &titles);
     let link = |(id, title): &(&str, &str)| format!("<li><a href=\"#{id}\">{title}</a></li>");
     let links: String = titles.iter().map(link).collect();
     let section = |(id, title, pieces): (&str, &str, Vec<Piece>)| {
@@ -143,8 +131,8 @@ pub fn page(
         std::iter::once(begin).chain(pieces).chain([Piece::fixed("</section>\n")])
     };
     let pieces: Vec<Piece> = sections.into_iter().flat_map(section).collect();
-    let answer = answer::section(&places, &all, &machines, &copies, &names);
-    let again = again::section(command, &all);
+    let answer = answer::section(&places, &records, &names);
+    let again = again::section(command, all);
     let copies: Vec<String> = copies.iter().map(|[copy, of]| format!("{copy}: the same as {of}")).collect();
     let title = if places.is_empty() { "what was measured" } else { "which tracer to take" };
     let heading = first::capitalised(title);
@@ -182,18 +170,14 @@ fn first_chart(sections: &mut [(&str, &str, Vec<Piece>)], place: Option<String>)
     found.map_or_else(String::new, |piece| piece.html)
 }
 
-fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>> {
+fn places<'a>(all: &'a [Read<'a>], fields: &'a [Vec<Field<'a>>]) -> Vec<Place<'a>> {
     let mut places = Vec::new();
-    for (number, (read, shown)) in all.iter().zip(shown).enumerate() {
-        let Some(section) = read.points.as_ref().filter(|_| verdict::controls(&read.record) == Verdict::Sound) else {
-            continue;
-        };
-        for shown in shown {
-            for field in &shown.fronts.fields {
-                if let Some(by) = By::all(field.query).last() {
-                    places.push(Place { read, number, section, shown, field, by: *by, is_shared: false });
-                }
-            }
+    for (number, (read, fields)) in all.iter().zip(fields).enumerate() {
+        if verdict::controls(&read.record).is_empty() {
+            places.extend(fields.iter().filter_map(|field| {
+                let by = *By::all(field.query).last()?;
+                Some(Place { read, number, field, by, is_shared: false })
+            }));
         }
     }
     let case = |place: &Place<'a>| (place.field.scene.scene.name.as_str(), place.field.rays, place.read.machine);

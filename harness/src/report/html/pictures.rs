@@ -14,13 +14,13 @@ use super::pieces::{Piece, Rank, Tags, escape};
 use super::read::Read;
 use crate::render::painted::{ERROR_DECADES, class_legend};
 use crate::report::format::significant;
-use crate::report::kept::{self, Kept};
+use crate::report::kept;
 use crate::results::{FramePictures, FramesRecord, PointPictures, Record, SetPictures};
 
 /// A part for each scene and ray set that has pictures.
 pub(super) fn pictures(places: &[Place<'_>]) -> Vec<Piece> {
     let piece = |(number, place): (usize, &Place<'_>)| {
-        let set = place.shown.fronts.scene.pictures.iter().find(|set| set.rays == place.field.rays)?;
+        let set = place.field.scene.pictures.iter().find(|set| set.rays == place.field.rays)?;
         Some(place.piece(Rank::Picture, "pictures", figure(number, place, set)?))
     };
     places.iter().enumerate().filter_map(piece).chain(others(places)).collect()
@@ -28,10 +28,8 @@ pub(super) fn pictures(places: &[Place<'_>]) -> Vec<Piece> {
 
 /// A file beside a record as an address that holds it, if it is what its name says.
 fn address(record: &str, name: &str) -> Option<String> {
-    match kept::picture(Path::new(record), name) {
-        Kept::Picture(bytes) => Some(format!("data:image/png;base64,{}", BASE64.encode(&bytes))),
-        _ => None,
-    }
+    let bytes = kept::picture(Path::new(record), name)?;
+    Some(format!("data:image/png;base64,{}", BASE64.encode(&bytes)))
 }
 
 /// A word on files that are not the pictures after which they are named.
@@ -60,7 +58,7 @@ fn figure(number: usize, place: &Place<'_>, set: &SetPictures) -> Option<String>
     let mut images = image("truth", "", "Truth", &set.truth)?;
     let mut options = String::new();
     for PointPictures { point, answer, class, error } in &set.points {
-        let known = place.section.points.get(*point)?;
+        let known = place.field.section.points.get(*point)?;
         let label = known.label();
         let tags = format!(" data-of=\"{point}\"{}", Tags::of_tracer(&known.tracer).text());
         let files = [("answer", Some(answer)), ("class", Some(class)), ("error", error.as_ref())].into_iter();

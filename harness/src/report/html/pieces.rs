@@ -59,15 +59,6 @@ impl<'a> Tags<'a> {
         Self { tracer: Some(tracer), ..Self::default() }
     }
 
-    /// These, and of others what these do not say.
-    pub(super) fn or(self, others: Self) -> Self {
-        Self {
-            scene: self.scene.or(others.scene),
-            rays: self.rays.or(others.rays),
-            tracer: self.tracer.or(others.tracer),
-        }
-    }
-
     /// As attributes, each after a blank.
     pub(super) fn text(self) -> String {
         let tags = [("scene", self.scene), ("rays", self.rays), ("tracer", self.tracer)].into_iter();

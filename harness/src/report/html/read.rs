@@ -8,7 +8,7 @@ use itertools::Itertools as _;
 use super::pieces::Tags;
 use crate::report::{RUN_FILE, group};
 use crate::results::{FrontPoint, FrontScene, ParetoRecord, Record, Row, said};
-use crate::studies::pareto::RAYS_PER_PIXEL;
+use crate::studies::pareto::{Field, RAYS_PER_PIXEL, fields};
 
 /// A record.
 #[derive(Debug)]
@@ -29,6 +29,12 @@ impl Read<'_> {
     /// Its machine.
     pub(super) fn label(&self) -> String {
         self.record.provenance.machine.label()
+    }
+
+    /// Every ray set that fronts are made of.
+    pub(super) fn fields(&self) -> Vec<Field<'_>> {
+        let scenes = self.points.iter().flat_map(|points| points.scenes.iter().map(move |scene| (points, scene)));
+        scenes.flat_map(|(points, scene)| fields(&self.record, points, scene)).collect()
     }
 }
 
@@ -84,17 +90,12 @@ fn folder(path: &str) -> Vec<&str> {
     parts
 }
 
-/// Whether every row of a record is something to choose: it is no study, and rows of a table are chosen for what that is of.
-fn is_plain(record: &Record) -> bool {
-    let is_study = record.sweep.is_some() || record.is_untimed() || record.frames.is_some() || record.need.is_some();
-    !is_study && record.table.is_none()
-}
-
+/// The points of a study of fronts; of a plain run every row. Rows of other studies and of tables are not there to be chosen.
 fn points(record: &Record) -> Option<ParetoRecord> {
     if record.pareto.is_some() {
         return record.pareto.clone();
     }
-    is_plain(record).then(|| {
+    (record.verb() == "run").then(|| {
         let mut points: Vec<FrontPoint> = Vec::new();
         for row in &record.rows {
             let order = points.iter().filter(|point| point.tracer == row.tracer.name).count() as u32;
@@ -157,11 +158,6 @@ impl Names {
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with([' ', ':', '@', ';', ',']))
         };
         self.tracers.iter().filter(is_of).max_by_key(|name| name.len()).map(String::as_str)
-    }
-
-    /// The tracer that a column is of.
-    pub(super) fn of_column(&self, heading: &str) -> Tags<'_> {
-        Tags { tracer: self.tracer(heading), ..Tags::default() }
     }
 
     /// What a row is about, by the headings of its columns.

@@ -8,7 +8,7 @@ use crate::results::{CasesRecord, NeedRecord, PICTURES_FOLDER, PointPictures, Se
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 const COMMAND: &str = "tracebench report --html out.html 'a b'";
-const MAKERS: Makers = Makers { tables: fixture::tables, claims: |_| Vec::new() };
+const MAKERS: Makers = (fixture::tables, |_| Vec::new());
 
 fn point(name: &str, missed: f64, speed: f64, mib: u64, build: f64) -> FrontQuality<'_> {
     let quality = Quality { missed, blur: 1e-4 * missed, speed, clock: ClockKind::SubmitToDone };
@@ -192,11 +192,11 @@ fn every_point_is_there_once() {
 /// Places of the points on the front of speed over diffuse rays by footprint.
 fn fastest(record: &Record) -> Vec<usize> {
     let section = record.pareto.as_ref().unwrap();
-    let all = shown(record, section);
-    let field = &all[0].fronts.fields[0];
+    let field = &crate::studies::pareto::fields(record, section, &section.scenes[0])[0];
     let by = *By::all(field.query).last().unwrap();
-    let front = field.front(&field.entries, crate::studies::pareto::Cost::Trace, by);
-    let mut places: Vec<usize> = front.iter().map(|(entry, _)| entry.index).collect();
+    let all = field.front_statuses(&field.entries, crate::studies::pareto::Cost::Trace, by);
+    let front = all.iter().filter(|(.., status)| *status == crate::studies::pareto::FrontStatus::OnFront);
+    let mut places: Vec<usize> = front.map(|(entry, ..)| entry.index).collect();
     places.sort_unstable();
     places
 }

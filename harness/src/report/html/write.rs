@@ -42,8 +42,9 @@ pub(super) fn html(document: &Document, level: usize, names: &Names, charts: &Ch
             }
             Block::Table(all) => write!(html, "{}", table(all, names)),
             Block::Chart(stem, alt, chart) => {
-                let tags = open.iter().fold(Tags::default(), |all, (_, own)| own.or(all));
-                write!(html, "{}", charts(stem, alt, chart, tags))
+                let scene = open.iter().rev().find_map(|(_, own)| own.scene);
+                let rays = open.iter().rev().find_map(|(_, own)| own.rays);
+                write!(html, "{}", charts(stem, alt, chart, Tags { scene, rays, tracer: None }))
             }
         };
     }
@@ -66,7 +67,8 @@ fn close(html: &mut String, open: &mut Vec<(usize, Tags<'_>)>, level: usize) {
 fn table(table: &Table, names: &Names) -> String {
     let headings: Vec<&str> = table.headings().collect();
     // A column of one tracer goes with it.
-    let columns: Vec<String> = headings.iter().map(|heading| names.of_column(heading).text()).collect();
+    let column = |heading: &&str| Tags { tracer: names.tracer(heading), ..Tags::default() }.text();
+    let columns: Vec<String> = headings.iter().map(column).collect();
     let mut html = "<div class=\"wide\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
     for (heading, column) in headings.iter().zip(&columns) {
         let _ = write!(html, "<th scope=\"col\"{column}>{}</th>", inline(heading));
@@ -235,11 +237,11 @@ mod tests {
     #[test]
     fn nothing_leads_out() {
         let hostile = "<script>alert(1)</script> <img src=x onerror=y> [b](https://c.d) ![e](https://f.g/h.png) **k**";
-        let [stem, title, subtitle] = [const { String::new() }; 3];
-        let chart = SeriesChart { stem, title, subtitle, key: None, panels: Vec::new() };
+        let [title, subtitle] = [const { String::new() }; 2];
+        let chart = SeriesChart { title, subtitle, key: None, panels: Vec::new() };
         let page = Document::of(hostile)
             .chart("j", "i", series(&fixture::typical(), chart))
-            .item(hostile)
+            .items([hostile.to_owned()])
             .table(cells(&["scene"], &[&["<b>hall"]]));
         let html = html(&page, 3, &names(), &|stem, alt, _, _| format!("[{stem} {alt}]"));
         assert!(!html.contains("<script") && !html.contains("<img") && !html.contains("<a "), "{html}");

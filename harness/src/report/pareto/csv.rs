@@ -6,23 +6,18 @@ use std::ptr;
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
-use super::Shown;
 use crate::report::metrics::{self, COUNT};
 use crate::report::sheet::{Cell, Column, Columns, Sheet, Table};
-use crate::results::{HeldOutRecord, ParetoRecord, TraceRecord};
+use crate::results::{ParetoRecord, TraceRecord};
 use crate::studies::pareto::{
     Aim, Amount, BreakEven, By, Check, Class, ClassCost, Cost, Entry, Field, LEVELS, Wrong, best, break_even, check,
     classes,
 };
 
-/// Every rule.
-fn rules() -> Vec<By> {
-    [By::all(Query::Closest), By::all(Query::Any)].concat()
-}
-
 /// The rules and costs by which a point stands to a front, in the order of columns.
 fn kinds(section: &ParetoRecord) -> Vec<(By, Cost)> {
-    rules().into_iter().cartesian_product(Cost::all(&section.rays_per_pixel)).collect()
+    let rules = [By::all(Query::Closest), By::all(Query::Any)].concat();
+    rules.into_iter().cartesian_product(Cost::all(&section.rays_per_pixel)).collect()
 }
 
 /// The front of all, and that of a point's own tracer, as columns name them.
@@ -36,16 +31,17 @@ fn standing(front: &str, (by, cost): (By, Cost)) -> String {
 /// How entries stand to fronts, by their places and the names of columns.
 type Standings = BTreeMap<(usize, String), &'static str>;
 
-fn standings<'a>(field: &Field<'a>, kinds: &[(By, Cost)]) -> Standings {
+/// How the entries of a field do.
+pub(super) fn standings<'a>(field: &Field<'a>) -> Standings {
     let mut all = Standings::new();
     let mut add = |front: &str, entries: &[Entry<'a>], (by, cost): (By, Cost)| {
         for (entry, _, status) in field.front_statuses(entries, cost, by) {
             all.insert((entry.index, standing(front, (by, cost))), status.name());
         }
     };
-    for kind in kinds.iter().filter(|(by, _)| By::all(field.query).contains(by)) {
-        add(FRONTS[0], &field.entries, *kind);
-        field.tracers().into_iter().for_each(|tracer| add(FRONTS[1], &field.of_tracer(tracer), *kind));
+    for kind in kinds(field.section).into_iter().filter(|(by, _)| By::all(field.query).contains(by)) {
+        add(FRONTS[0], &field.entries, kind);
+        field.tracers().into_iter().for_each(|tracer| add(FRONTS[1], &field.of_tracer(tracer), kind));
     }
     all
 }
@@ -55,12 +51,6 @@ pub(super) struct Point<'a> {
     field: &'a Field<'a>,
     entry: &'a Entry<'a>,
     standings: &'a Standings,
-}
-
-/// Every field with the standings of its points.
-pub(super) fn fields<'a>(record: &ParetoRecord, shown: &'a [Shown<'a>]) -> Vec<(&'a Field<'a>, Standings)> {
-    let kinds = kinds(record);
-    shown.iter().flat_map(|scene| &scene.fronts.fields).map(|field| (field, standings(field, &kinds))).collect()
 }
 
 /// The point of a row.
@@ -97,7 +87,6 @@ fn cost<'a>(cost: Cost) -> Column<'a, Point<'a>> {
 
 /// An operating point: by rule, level, tracer or all of them, and aim.
 pub(super) struct Operating<'a> {
-    shown: &'a Shown<'a>,
     pub field: &'a Field<'a>,
     pub by: By,
     pub level: f64,
@@ -107,13 +96,9 @@ pub(super) struct Operating<'a> {
 }
 
 impl Operating<'_> {
-    fn there(&self) -> Option<&HeldOutRecord> {
-        self.shown.fronts.scene.held_out.as_ref()
-    }
-
     /// What became of it elsewhere.
     pub(super) fn check(&self) -> Check {
-        check(&self.shown.fronts.elsewhere, self.field.rays, self.found.point, self.by, self.level)
+        check(self.field, self.found.point, self.by, self.level)
     }
 
     fn value(&self, cost: Cost) -> Option<f64> {
@@ -133,15 +118,15 @@ impl Operating<'_> {
 }
 
 /// Every operating point.
-pub(super) fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>> {
+pub(super) fn operating_points<'a>(fields: impl Iterator<Item = &'a Field<'a>>) -> Vec<Operating<'a>> {
     let mut rows = Vec::new();
-    for (shown, field, by, level) in asked(shown) {
+    for (field, by, level) in asked(fields) {
         let all = std::iter::once(("all", field.entries.clone()));
         let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
         for (of, entries) in all.chain(each) {
             let chosen = |aim| {
                 let found = best(field, &entries, by, level, aim)?;
-                Some(Operating { shown, field, by, level, of, aim, found })
+                Some(Operating { field, by, level, of, aim, found })
             };
             rows.extend(Aim::ALL.into_iter().filter_map(chosen));
         }
@@ -150,15 +135,14 @@ pub(super) fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>>
 }
 
 /// Every ray set with the rules by which its answers are right, and how often they are to be.
-fn asked<'a>(shown: &'a [Shown<'a>]) -> impl Iterator<Item = (&'a Shown<'a>, &'a Field<'a>, By, f64)> {
-    let fields = shown.iter().flat_map(|shown| shown.fronts.fields.iter().map(move |field| (shown, field)));
-    fields.flat_map(|(shown, field)| {
-        By::all(field.query).iter().cartesian_product(LEVELS).map(move |(by, level)| (shown, field, *by, level))
+fn asked<'a>(fields: impl Iterator<Item = &'a Field<'a>>) -> impl Iterator<Item = (&'a Field<'a>, By, f64)> {
+    fields.flat_map(|field| {
+        By::all(field.query).iter().cartesian_product(LEVELS).map(move |(by, level)| (field, *by, level))
     })
 }
 
 /// A row a scene, ray set, rule, level, tracer and aim.
-pub(super) fn operating(shown: &[Shown<'_>]) -> Table {
+pub(super) fn operating<'a>(fields: impl Iterator<Item = &'a Field<'a>>) -> Table {
     let sheet = Sheet::<Operating<'_>>::new()
         .csv_column("scene", |row| row.field.scene.scene.name.clone())
         .csv_column("rays", |row| row.field.rays.to_owned())
@@ -174,16 +158,15 @@ pub(super) fn operating(shown: &[Shown<'_>]) -> Table {
         .csv_column("bytes", |row| row.value(Cost::Bytes))
         .csv_column(COUNT.name, |row| metrics::trials(row.found.trace))
         .csv_column("agreement_share", |row| Wrong::of(row.found.trace, row.by).map(|wrong| 1.0 - wrong.share.value))
-        .csv_column("checked_from", |row| row.there().map(|there| there.viewpoint.name.clone()))
-        .csv_column("checked_seed", |row| row.there().map(|there| there.seed))
+        .csv_column("checked_from", |row| Some(row.field.scene.held_out.as_ref()?.viewpoint.name.clone()))
+        .csv_column("checked_seed", |row| Some(row.field.scene.held_out.as_ref()?.seed))
         .csv_column("held_out", |row| row.held_out().0)
         .csv_column("checked_agreement_share", |row| row.held_out().1);
-    sheet.table(&operating_points(shown))
+    sheet.table(&operating_points(fields))
 }
 
 /// Two points of different tracers that are right as often.
 struct Pair<'a> {
-    field: &'a Field<'a>,
     class: &'a Class<'a>,
     both: [&'a ClassCost<'a>; 2],
     found: BreakEven,
@@ -215,23 +198,20 @@ fn one_of<'a>(place: usize, name: &str) -> Columns<'a, Pair<'a>> {
 }
 
 /// A row a scene, ray set, rule, level, motion and pair of points of different tracers.
-pub(super) fn break_even_counts<'a>(shown: &'a [Shown<'a>]) -> Table {
-    let of = |(shown, field, by, level): (&Shown<'a>, &'a Field<'a>, By, f64)| {
-        classes(&shown.fronts, field, by, level).into_iter().map(move |class| (field, class))
-    };
-    let all: Vec<(&Field<'_>, Class<'_>)> = asked(shown).flat_map(of).collect();
+pub(super) fn break_even_counts<'a>(fields: impl Iterator<Item = &'a Field<'a>>) -> Table {
+    let all: Vec<Class<'_>> = asked(fields).flat_map(|(field, by, level)| classes(field, by, level)).collect();
     let mut rows: Vec<Pair<'_>> = Vec::new();
-    for (field, class) in &all {
+    for class in &all {
         let pairs = class.costs.iter().tuple_combinations::<(_, _)>();
         let of_several = pairs.filter(|(one, other)| other.entry.point.tracer != one.entry.point.tracer);
         rows.extend(of_several.map(|(one, other)| {
-            let caveat = one.caveat.clone().or_else(|| other.caveat.clone());
-            Pair { field, class, both: [one, other], found: break_even(&one.cost, &other.cost, caveat) }
+            let found = break_even(&one.cost, &other.cost);
+            Pair { class, both: [one, other], found }
         }));
     }
     let sheet = Sheet::<Pair<'_>>::new()
-        .csv_column("scene", |row| row.field.scene.scene.name.clone())
-        .csv_column("rays", |row| row.field.rays.to_owned())
+        .csv_column("scene", |row| row.class.field.scene.scene.name.clone())
+        .csv_column("rays", |row| row.class.field.rays.to_owned())
         .csv_column("rule", |row| row.class.by.name())
         .csv_column("at_least_share", |row| row.class.level)
         .csv_column("geometry", |row| row.class.motion.name())

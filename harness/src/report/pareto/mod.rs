@@ -8,23 +8,24 @@ pub(in crate::report) mod tests;
 use super::group::{groups, stems};
 use super::{Report, format, metrics, rows};
 use crate::results::{FrontScene, ParetoRecord, Record};
-use crate::studies::pareto::{Amount, Cost, Field, SceneFronts, scene_fronts};
+use crate::studies::pareto::{Amount, Cost, Field, fields};
 
 /// The page.
 pub const PARETO_PAGE: &str = "pareto.md";
 
 /// What the names of its charts begin with.
-pub(in crate::report) const STEM: &str = "pareto_";
+pub(super) const STEM: &str = "pareto_";
 
 /// A scene with the part of file names that distinguishes it.
-pub(in crate::report) struct Shown<'a> {
-    pub stem: String,
-    pub fronts: SceneFronts<'a>,
+pub(super) struct Shown<'a> {
+    stem: String,
+    scene: &'a FrontScene,
+    fields: Vec<Field<'a>>,
 }
 
 impl Shown<'_> {
     /// What a chart of a ray set is called, without its end.
-    pub(in crate::report) fn chart(&self, rays: &str, what: &str) -> String {
+    fn chart(&self, rays: &str, what: &str) -> String {
         format!("{STEM}{}_{}_{what}", self.stem, format::file_stem(rays))
     }
 }
@@ -33,22 +34,25 @@ impl Shown<'_> {
 pub(super) fn report(record: &Record) -> Option<Report> {
     let section = record.pareto.as_ref()?;
     let shown = shown(record, section);
-    let (groups, fields) = (groups(record), csv::fields(section, &shown));
-    Some(rows(record, &groups, csv::points(section), |(.., (.., trace))| csv::point(&fields, trace)).and(Report {
+    let fields = || shown.iter().flat_map(|scene| &scene.fields);
+    let standings: Vec<_> = fields().map(|field| (field, csv::standings(field))).collect();
+    let groups = groups(record);
+    Some(rows(record, &groups, csv::points(section), |(.., (.., trace))| csv::point(&standings, trace)).and(Report {
         pages: vec![(PARETO_PAGE.to_owned(), page::page(record, section, &shown))],
         tables: vec![
-            ("operating_points.csv".to_owned(), csv::operating(&shown)),
-            ("break_even.csv".to_owned(), csv::break_even_counts(&shown)),
+            ("operating_points.csv".to_owned(), csv::operating(fields())),
+            ("break_even.csv".to_owned(), csv::break_even_counts(fields())),
         ],
         ..Report::default()
     }))
 }
 
 /// Every scene of a record.
-pub(in crate::report) fn shown<'a>(record: &'a Record, section: &'a ParetoRecord) -> Vec<Shown<'a>> {
+pub(super) fn shown<'a>(record: &'a Record, section: &'a ParetoRecord) -> Vec<Shown<'a>> {
     let told = |scene: &'a FrontScene| [&*scene.scene.name, &*scene.scene.sha256, &*scene.viewpoint.name];
     let stems = stems(&section.scenes.iter().map(told).collect::<Vec<_>>());
-    stems.into_iter().zip(scene_fronts(record, section)).map(|(stem, fronts)| Shown { stem, fronts }).collect()
+    let of = |(stem, scene): (String, &'a FrontScene)| Shown { stem, scene, fields: fields(record, section, scene) };
+    stems.into_iter().zip(&section.scenes).map(of).collect()
 }
 
 /// A cost's name with its unit.

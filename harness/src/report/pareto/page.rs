@@ -8,7 +8,7 @@ use super::{Shown, as_read, cost_name, csv};
 use crate::rays::shared_centres;
 use crate::report::chart::{break_even, front};
 use crate::report::document::{Document, set_heading};
-use crate::report::format::{percent, percent_with_interval, significant, thousands};
+use crate::report::format::{edges, percent, percent_with_interval, significant, thousands};
 use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{format, metrics, summary};
@@ -33,7 +33,7 @@ pub(in crate::report) fn page(record: &Record, section: &ParetoRecord, shown: &[
         section.max_points
     ));
     let sections = shown.iter().map(|scene| {
-        let front = scene.fronts.scene;
+        let front = scene.scene;
         let here =
             format!("Points are chosen from viewpoint {} with seed {}", literal(&front.viewpoint.name), record.seed);
         let held_out = match (&front.held_out, &front.held_out_skipped) {
@@ -44,9 +44,9 @@ pub(in crate::report) fn page(record: &Record, section: &ParetoRecord, shown: &[
             (None, Some(reason)) => format!("{here}. **They were not checked elsewhere**: {reason}."),
             (None, None) => format!("{here}. No point was chosen, so none was checked elsewhere."),
         };
-        let fields = scene.fronts.fields.iter().map(|field| {
+        let fields = scene.fields.iter().map(|field| {
             let page = Document::default().rays(3, field.rays, set_heading(field.rays, field.query, field.count));
-            page.and(By::all(field.query).iter().map(|by| by_rule(record, section, scene, field, *by)))
+            page.and(By::all(field.query).iter().map(|by| by_rule(scene, field, *by)))
         });
         let page = Document::default()
             .scene(2, &front.scene, "")
@@ -59,13 +59,12 @@ pub(in crate::report) fn page(record: &Record, section: &ParetoRecord, shown: &[
 
 /// A warning where rays go through the very samples of some structures: `--size` may ask for that.
 fn through_samples(section: &ParetoRecord, scene: &Shown<'_>) -> String {
-    let image = scene.fronts.scene.viewpoint.ray_image;
+    let image = scene.scene.viewpoint.ray_image;
     let is_shared = |frame: &[u32; 2]| shared_centres(image, *frame) > MAX_SHARED_CENTRES;
     let frames: BTreeSet<[u32; 2]> = section.points.iter().map(|point| point.frame).filter(is_shared).collect();
     if frames.is_empty() {
         return String::new();
     }
-    let edges = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let frames: Vec<String> = frames.into_iter().map(edges).collect();
     format!(
         "**Rays from {} pixels go through the samples of structures with frames of {}**: methods that sample are right there, whatever \
@@ -82,7 +81,7 @@ fn in_short(scene: &Shown<'_>) -> Document {
     let take = |aim: Aim| {
         aimed(aim, move |&(field, by, level): &Asked<'_>| {
             let Some(found) = best(field, &field.entries, by, level, aim) else { return "nobody".to_owned() };
-            let there = check(&scene.fronts.elsewhere, field.rays, found.point, by, level);
+            let there = check(field, found.point, by, level);
             let misses = if let Check::Misses(..) = there { "; **misses there**" } else { "" };
             format!("{}{misses}", with_cost(field, aim, &found))
         })
@@ -93,7 +92,7 @@ fn in_short(scene: &Shown<'_>) -> Document {
             format!("{} by {}{}", asked(*level), by.name(), too_few(*level, field))
         })
         .with(Aim::ALL.map(take).into());
-    let fields = scene.fronts.fields.iter().filter_map(|field| Some((field, *By::all(field.query).last()?)));
+    let fields = scene.fields.iter().filter_map(|field| Some((field, *By::all(field.query).last()?)));
     let rows: Vec<Asked<'_>> = fields.flat_map(|(field, by)| LEVELS.map(|level| (field, by, level))).collect();
     Document::of("In short:").table(sheet.table(&rows)).paragraph(checks(scene))
 }
@@ -102,7 +101,7 @@ fn in_short(scene: &Shown<'_>) -> Document {
 fn checks(scene: &Shown<'_>) -> String {
     let (mut holds, mut within_noise, mut misses, mut most) = (0, 0, 0, 0.0_f64);
     // A point with several aims is one.
-    let of_tracers = csv::operating_points(std::slice::from_ref(scene)).into_iter().filter(|row| row.of != "all");
+    let of_tracers = csv::operating_points(scene.fields.iter()).into_iter().filter(|row| row.of != "all");
     for row in of_tracers.unique_by(|row| (row.field.rays, row.by.name(), row.level.to_bits(), row.found.index)) {
         match row.check() {
             Check::Holds(_) => holds += 1,
@@ -134,27 +133,25 @@ pub(in crate::report) fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_
 }
 
 /// Everything by one rule: operating points, how far tracers get, who is on a front, who overtakes whom.
-fn by_rule(record: &Record, section: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
+fn by_rule(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     let name = by.name();
-    let stem = |what: &str| scene.chart(field.rays, &format!("{name}{what}"));
-    let fronts = front::fronts(record, section, field, by);
-    let mut page = Document::default().heading(4, format!("By {name}")).chart(stem(""), "fronts", fronts);
-    if let Some(matched) = front::matched(record, section, field, by) {
-        page = page.chart(stem("_matched"), "fronts at matched bytes and build time", matched);
+    let stem = |what: &str| scene.chart(field.rays, what);
+    let speed = front::fronts(field, by, |cost| matches!(cost, Cost::Trace));
+    let others = front::fronts(field, by, |cost| !matches!(cost, Cost::Trace));
+    let mut page = Document::default().heading(4, format!("By {name}")).chart(stem(name), "fronts of speed", speed);
+    page = page.chart(stem(&format!("{name}_costs")), "fronts of build time, bytes and frames", others);
+    if let Some(matched) = front::matched(field, by) {
+        page = page.chart(stem(&format!("{name}_matched")), "fronts at matched bytes and build time", matched);
     }
-    page.and([
-        operating_points(scene, field, by),
-        reach(field, by),
-        front_points(record, section, field, by),
-        break_even(record, section, scene, field, by),
-    ])
+    let tables = [operating_points(field, by), reach(field, by), front_points(field, by)];
+    page.and(tables).and(break_even(field, by, stem("break_even")))
 }
 
 /// The operating points of every level: over all tracers, then of each.
-pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
+pub(in crate::report) fn operating_points(field: &Field<'_>, by: By) -> Document {
     type Of<'a> = (f64, &'a str, Vec<Entry<'a>>);
     let found = |(level, _, entries): &Of<'_>, aim| {
-        best(field, entries, by, *level, aim).map(|found| operating_point(scene, field, by, *level, aim, &found))
+        best(field, entries, by, *level, aim).map(|found| operating_point(field, by, *level, aim, &found))
     };
     let sheet = Sheet::<Of<'_>>::new()
         .column("at least", |(level, ..)| asked(*level) + &too_few(*level, field))
@@ -184,9 +181,9 @@ pub(in crate::report) fn too_few(level: f64, field: &Field<'_>) -> String {
     if tells { String::new() } else { format!(" (**{} rays are too few to tell**)", thousands(field.count)) }
 }
 
-fn operating_point(scene: &Shown<'_>, field: &Field<'_>, by: By, level: f64, aim: Aim, found: &Entry<'_>) -> String {
+fn operating_point(field: &Field<'_>, by: By, level: f64, aim: Aim, found: &Entry<'_>) -> String {
     let trials = metrics::trials(found.trace);
-    let there = match check(&scene.fronts.elsewhere, field.rays, found.point, by, level) {
+    let there = match check(field, found.point, by, level) {
         Check::Holds(wrong) => format!("{}, holds", right(&wrong, trials)),
         Check::WithinNoise(wrong) => format!("{}, within noise", right(&wrong, trials)),
         Check::Misses(wrong, by) => {
@@ -222,13 +219,9 @@ pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> Document {
 }
 
 /// The points that are on a front of all tracers, or within noise of one.
-pub(in crate::report) fn front_points<'a>(
-    record: &Record,
-    section: &ParetoRecord,
-    field: &Field<'a>,
-    by: By,
-) -> Document {
+pub(in crate::report) fn front_points<'a>(field: &Field<'a>, by: By) -> Document {
     type OnFront<'a> = (Entry<'a>, Wrong, Vec<&'static str>);
+    let Field { record, section, .. } = *field;
     let costs = Cost::all(&section.rays_per_pixel);
     let front_statuses: Vec<_> = costs.iter().map(|cost| field.front_statuses(&field.entries, *cost, by)).collect();
     let of_entry = |entry: &Entry<'_>| {
@@ -276,16 +269,10 @@ pub(in crate::report) fn front_points<'a>(
 }
 
 /// Who is cheapest at how many rays a frame.
-pub(in crate::report) fn break_even(
-    record: &Record,
-    section: &ParetoRecord,
-    scene: &Shown<'_>,
-    field: &Field<'_>,
-    by: By,
-) -> Document {
+pub(in crate::report) fn break_even(field: &Field<'_>, by: By, stem: String) -> Document {
     // A class, and a place among those who are cheapest there.
     type Cheapest<'a> = (&'a Class<'a>, usize);
-    let classes: Vec<Class<'_>> = LEVELS.iter().flat_map(|level| classes(&scene.fronts, field, by, *level)).collect();
+    let classes: Vec<Class<'_>> = LEVELS.iter().flat_map(|level| classes(field, by, *level)).collect();
     let rows: Vec<Cheapest<'_>> =
         classes.iter().flat_map(|class| (0..class.stretches.len()).map(move |place| (class, place))).collect();
     let break_even = |(class, place): &Cheapest<'_>| {
@@ -315,13 +302,12 @@ pub(in crate::report) fn break_even(
     }
     let page = Document::of(format!("{how}:")).table(sheet.table(&rows));
     // By the last rule, by which charts show methods that sample.
-    let contested =
-        if By::all(field.query).last() == Some(&by) { contested(&scene.fronts, field, by) } else { Vec::new() };
+    let contested = if By::all(field.query).last() == Some(&by) { contested(field, by) } else { Vec::new() };
     if contested.is_empty() {
         return page;
     }
-    let chart = break_even::chart(record, section, field, &contested);
-    page.chart(scene.chart(field.rays, "break_even"), "break-even", chart)
+    let chart = break_even::chart(field, &contested);
+    page.chart(stem, "break-even", chart)
 }
 
 fn label(class: &Class<'_>, who: usize) -> String {

@@ -48,6 +48,7 @@ fn fronts_have_their_files() {
         "break_even.csv",
         "rows.csv",
         "pareto_room_diffuse_footprint.svg",
+        "pareto_room_diffuse_footprint_costs.svg",
         "pareto_room_diffuse_tight_matched.png",
         "pareto_room_diffuse_break_even.svg",
         "pareto_room_ao_balanced_accuracy.svg",

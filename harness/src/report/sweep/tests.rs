@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
+use crate::judge::Rule;
 use crate::report::fixture::{self, Quality, configs, write_derived, write_run};
 use crate::report::format::percent_with_interval;
 use crate::report::read_run;
-use crate::results::{AxisRecord, PointRecord, SweepRecord};
-use crate::results::{Judgement, Record};
+use crate::results::{
+    AxisRecord, Judgement, PointRecord, Record, Row, Skipped, SweepRecord, TunedScene, TuningRecord, ViewpointRecord,
+};
 use crate::statistics::wilson;
 use crate::studies::sweep::RESOLUTION;
 
@@ -76,6 +78,42 @@ pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], g
     };
     let axes = axes.iter().map(axis).collect();
     record.sweep = Some(SweepRecord { tracer: "dirt".to_owned(), grid, axes, points });
+    record
+}
+
+/// A sweep by which a thickness is chosen, in scenes of given names, from so many viewpoints: from each the best value is another one, the
+/// third, the fourth, and so on, by whatever rule. The default is the second.
+pub(in crate::report) fn tuned_run(values: &[&str], scenes: &[&str], views: usize, sets: &[(&str, Query)]) -> Record {
+    let mut record = sweep_run(&[("thickness", values[1], values)], sets, false);
+    let (rows, controls) = (std::mem::take(&mut record.rows), std::mem::take(&mut record.controls));
+    let mut tuned = Vec::new();
+    for (number, name) in scenes.iter().enumerate() {
+        let mut scene = rows[0].scene.clone();
+        scene.name = (*name).to_owned();
+        let view = |view: usize| {
+            let name = ["door", "window", "roof"][view].to_owned();
+            ViewpointRecord { name, ..rows[0].viewpoint.clone() }
+        };
+        let viewpoints: Vec<ViewpointRecord> = (0..views).map(view).collect();
+        for (view, viewpoint) in viewpoints.iter().enumerate() {
+            let best = (2 + view + number) % values.len();
+            let here = |row: &Row| Row { scene: scene.clone(), viewpoint: viewpoint.clone(), ..row.clone() };
+            record.controls.extend(controls.iter().map(here));
+            for row in &rows {
+                let value = &row.tracer.parameters["thickness"];
+                let place = values.iter().position(|each| value == *each).unwrap();
+                let missed = 0.01 + 0.05 * place.abs_diff(best) as f64;
+                let quality = Quality { missed, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
+                let traces = fixture::run(&[("dirt", quality)], sets).rows.remove(0).traces;
+                record.rows.push(Row { traces, ..here(row) });
+            }
+        }
+        tuned.push(TunedScene { scene, viewpoints });
+    }
+    record.skipped =
+        vec![Skipped { tracer: None, scene: "hall".to_owned(), rays: None, reason: "no | place".to_owned() }];
+    let tracer = rows[0].tracer.clone();
+    record.tuning = Some(TuningRecord { tracer, rule: Rule::Footprint, scenes: tuned });
     record
 }
 
@@ -197,7 +235,7 @@ fn no_speed_without_accuracy() {
     let page = |record: &Record| {
         let groups = crate::report::group::groups(record);
         let sweep = record.sweep.as_ref().unwrap();
-        super::page(record, sweep, &super::views(sweep, &groups)).markdown()
+        super::page(record, sweep, &super::views(sweep, &groups, None), None).markdown()
     };
     let speeds = |page: &str| page.lines().filter(|line| line.starts_with("| 1 |") && line.contains("| 4.0")).count();
     assert_eq!(speeds(&page(&record)), 1, "{}", page(&record));

@@ -10,7 +10,6 @@ mod tests;
 use std::time::{Duration, Instant};
 
 use itertools::Itertools as _;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tracebench_api::Viewpoint;
 
@@ -68,12 +67,8 @@ impl<E: Into<RunError>> From<E> for Stopped {
     }
 }
 
-/// What is looked at while fresh answers are there.
-#[derive(Default, Serialize, Deserialize)]
-struct Looked {
-    picture: Option<String>,
-    shrunk: Option<ShrunkRecord>,
-}
+/// What is looked at while fresh answers are there: a picture, and what was made small.
+type Looked = (Option<String>, Option<ShrunkRecord>);
 
 const OPTIONS: MeasureOptions = MeasureOptions { validated: false, counted: false, ..MeasureOptions::untimed() };
 
@@ -222,11 +217,11 @@ impl Search<'_> {
             let shrinker = Shrinker { session, set: *self.set, rule, config, mesh: &mesh, progress };
             let small = if is_worst { shrinker.shrink(rays, told)? } else { None };
             let shrunk = small.map(|small| self.written(&small, session, &pose_record)).transpose()?.flatten();
-            measure::told(&Looked { picture, shrunk })
+            measure::told(&(picture, shrunk))
         };
         let request = [request(self.tracer)];
         let mut found = measure::measure_scene(index, &plan, scene, &request, OPTIONS, Some(&look), self.context)?;
-        let Looked { picture, shrunk } = found.take_hooked()?.pop().unwrap_or_default();
+        let (picture, shrunk): Looked = found.take_hooked()?.pop().unwrap_or_default();
         measure::add_or_skip(record, found, &request);
         Ok((PoseRecord { picture, ..pose_record }, shrunk))
     }

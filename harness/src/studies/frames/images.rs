@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use tracebench_api::{Gpu, Hit, RayBuffer, Surface, Timing, Viewpoint};
+use tracebench_api::{Hit, RayBuffer, Surface, Timing};
 
 use super::watch::Verdicts;
 use super::{FramesRequest, PathsOf};
 use crate::judge::Judge;
 use crate::measure::controls::Control;
-use crate::measure::session::{SessionError, no_answers};
+use crate::measure::session::{Session, SessionError, no_answers};
 use crate::measure::{self, Context, RunError, Traced, TracerConfig};
 use crate::plan::Plan;
 use crate::render::{self, Effect, Exposure, Image8, Paths, Stage, Wave, animation, error_picture, likeness, strip};
@@ -29,10 +29,9 @@ const SHEET_COLUMNS: usize = 8;
 pub(super) struct Studio<'a> {
     pub plan: &'a Plan,
     pub request: &'a FramesRequest,
-    pub stage: Arc<Stage>,
-    pub truth: &'a Truth,
-    pub viewpoint: &'a Viewpoint,
-    pub gpu: Option<&'a Gpu>,
+    pub context: &'a Context<'a>,
+    pub stage: &'a Arc<Stage>,
+    pub session: &'a Session,
 }
 
 /// A wave of the truth's.
@@ -89,27 +88,22 @@ fn nearest(truth: &Truth, wave: &Wave) -> Vec<Answer> {
 impl Studio<'_> {
     fn paths(&self, effect: Effect) -> Paths {
         let (size, seed) = (self.plan.preset.ray_image, self.plan.seed);
-        Paths::new(Arc::clone(&self.stage), effect, self.viewpoint, size, self.request.spp, seed)
+        Paths::new(Arc::clone(self.stage), effect, &self.session.viewpoint, size, self.request.spp, seed)
     }
 
     /// The truth's image, exposed as that of the first frame was.
-    pub(super) fn reference(
-        &self,
-        effect: Effect,
-        exposure: Option<Exposure>,
-        context: &Context<'_>,
-    ) -> Result<Reference, RunError> {
-        let follows = self.request.paths == PathsOf::Truth;
+    pub(super) fn reference(&self, effect: Effect, exposure: Option<Exposure>) -> Result<Reference, RunError> {
+        let (truth, follows) = (&*self.session.truth, self.request.paths == PathsOf::Truth);
         let (mut paths, mut waves) = (self.paths(effect), Vec::new());
         while let Some(wave) = paths.next_wave() {
             let answers = if wave.number == 0 || follows {
-                let told = self.truth.answer(&wave.rays, wave.query, context.cache, context.progress);
+                let told = truth.answer(&wave.rays, wave.query, self.context.cache, self.context.progress);
                 told.map_err(SessionError::from)?
             } else {
-                nearest(self.truth, &wave)
+                nearest(truth, &wave)
             };
-            paths.answer(&wave, &wave.answers_of_hits(self.truth, |ray| answers[ray].hit));
-            let buffer = RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu);
+            paths.answer(&wave, &wave.answers_of_hits(truth, |ray| answers[ray].hit));
+            let buffer = RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.session.gpu());
             waves.push(TrueWave { wave, buffer, answers, after: follows.then(|| paths.clone()) });
         }
         let linear = paths.image();
@@ -125,8 +119,8 @@ impl Studio<'_> {
         name: &str,
         counts: bool,
     ) -> Result<Rendered, RunError> {
+        let (truth, gpu, effect) = (&*self.session.truth, self.session.gpu(), reference.effect);
         let follows = self.request.paths == PathsOf::Truth;
-        let effect = reference.effect;
         let (mut paths, mut waves) = (self.paths(effect), Vec::new());
         while let Some(wave) = paths.next_wave() {
             let known = reference.waves.iter().find(|known| known.wave.number == wave.number);
@@ -135,18 +129,17 @@ impl Studio<'_> {
             let mut truths = shared.map(|known| Cow::Borrowed(&known.answers[..]));
             let (answers, hits, timing) = match answering {
                 Answering::Tracer(config) => {
-                    let own = || RayBuffer::new(Arc::clone(&wave.rays), wave.query, self.gpu);
+                    let own = || RayBuffer::new(Arc::clone(&wave.rays), wave.query, gpu);
                     let buffer = shared.map_or_else(own, |known| known.buffer.clone());
-                    let Traced { timing, hits, surfaces } =
-                        measure::trace_sample(config, &buffer, wave.end, self.gpu, 1)?;
+                    let Traced { timing, hits, surfaces } = measure::trace_sample(config, &buffer, wave.end, gpu, 1)?;
                     (shading(&wave, &hits, &surfaces, name)?, hits, Some(timing))
                 }
                 Answering::Control(_) | Answering::Rounded => {
-                    let of = truths.get_or_insert_with(|| Cow::Owned(nearest(self.truth, &wave)));
+                    let of = truths.get_or_insert_with(|| Cow::Owned(nearest(truth, &wave)));
                     let control = if let Answering::Control(control) = answering { *control } else { Control::Oracle };
-                    let (hits, surfaces) = control.answered(self.truth.geometry(), &wave.rays, of);
+                    let (hits, surfaces) = control.answered(truth.geometry(), &wave.rays, of);
                     let answers = match answering {
-                        Answering::Control(Control::Oracle) => wave.answers_of_hits(self.truth, |ray| of[ray].hit),
+                        Answering::Control(Control::Oracle) => wave.answers_of_hits(truth, |ray| of[ray].hit),
                         _ => shading(&wave, &hits, &surfaces, name)?,
                     };
                     (answers, hits, None)
@@ -176,8 +169,8 @@ impl Studio<'_> {
     ) -> Result<Verdicts, RunError> {
         let of = (name, effect.name());
         let judge = |rays, answers| Judge {
-            truth: self.truth,
-            eye: Some(self.viewpoint.eye.as_dvec3()),
+            truth: &self.session.truth,
+            eye: Some(self.session.viewpoint.eye.as_dvec3()),
             rays,
             answers,
             query: wave.query,
@@ -194,7 +187,7 @@ impl Studio<'_> {
         let chosen: Vec<usize> = (0..hits.len()).filter(|ray| wave.paths[*ray].is_multiple_of(JUDGED_ONE_OF)).collect();
         let rays: Vec<_> = chosen.iter().map(|ray| wave.rays[*ray]).collect();
         let hits: Vec<_> = chosen.iter().map(|ray| hits[*ray]).collect();
-        let answer = |ray| self.truth.answer_one(&Ray64::from(ray), wave.query);
+        let answer = |ray| self.session.truth.answer_one(&Ray64::from(ray), wave.query);
         let answers: Vec<Answer> = rays.par_iter().map(answer).collect();
         Verdicts::of(&judge(&rays, &answers), of, &hits)
     }

@@ -11,7 +11,6 @@ use std::collections::BTreeSet;
 use clap::ValueEnum;
 use itertools::Itertools as _;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use tracebench_api::{Preset, Query, Update};
 
 use crate::measure::{self, Context, MovingFrames, RunError, records};
@@ -93,11 +92,6 @@ fn word(choice: impl ValueEnum) -> String {
 }
 
 impl FramesRequest {
-    /// As the journal keeps it.
-    pub fn describe(&self) -> Value {
-        serde_json::to_value(self).unwrap_or_default()
-    }
-
     /// What is measured and kept as one, since every frame follows from the one before: each effect, or all ray sets.
     fn parts(&self) -> Vec<Self> {
         let of = |effect: &Effect| Self { effects: vec![*effect], ..self.clone() };

@@ -291,7 +291,8 @@ impl FrameWork for Watch<'_> {
             let materials = &scene.mesh.materials;
             let stage = self.stage.get_or_insert_with(|| Arc::new(Stage::new(materials, geometry)));
             self.scene.notes = stage.notes.clone();
-            let found = studio(plan, self.request, stage, &session).reference(effect, self.exposure, context)?;
+            let studio = Studio { plan, request: self.request, context, stage, session: &session };
+            let found = studio.reference(effect, self.exposure)?;
             self.exposure = Some(found.exposure);
             self.truths.push(found.image.clone());
             reference = Some(found);
@@ -325,12 +326,6 @@ impl FrameWork for Watch<'_> {
         }
         Ok(())
     }
-}
-
-/// A frame as effects are rendered in it.
-fn studio<'s>(plan: &'s Plan, request: &'s FramesRequest, stage: &Arc<Stage>, session: &'s Session) -> Studio<'s> {
-    let (truth, viewpoint, gpu) = (&*session.truth, &session.viewpoint, session.gpu());
-    Studio { plan, request, stage: Arc::clone(stage), truth, viewpoint, gpu }
 }
 
 impl Told {
@@ -379,7 +374,7 @@ impl Watch<'_> {
         mut row: FrameRow,
         counts: bool,
     ) -> Result<(), RunError> {
-        let Self { plan, request, scene, points, stage, fixed, series, skipped, .. } = self;
+        let Self { plan, request, context, scene, points, stage, fixed, series, skipped, .. } = self;
         let (series, gpu) = (&mut series[place], here.session.gpu());
         let mut skip = |work: &str, reason: String| {
             let (tracer, scene) = (Some(name.to_owned()), scene.scene.name.clone());
@@ -409,7 +404,8 @@ impl Watch<'_> {
         let rendered = here.reference.as_ref().zip(stage.as_ref()).filter(|_| series.unserved.is_empty());
         if let Some((effect, (reference, stage))) = request.effect().zip(rendered) {
             let work = effect.name();
-            let rendered = studio(plan, request, stage, &here.session).rendered(reference, answering, name, counts);
+            let studio = Studio { plan, request, context, stage, session: &here.session };
+            let rendered = studio.rendered(reference, answering, name, counts);
             if let Some(rendered) = series.served(work, rendered, &mut skip)?.filter(|_| counts) {
                 let rendered = series.rendered(here.number, work, rendered, here.motion.as_deref());
                 if matches!(answering, Answering::Control(Control::Oracle)) && !is_perfect(&rendered) {

@@ -49,17 +49,8 @@ pub struct Step<'a> {
     /// How many times as long as of the whole structure its traces take.
     pub times_as_long: Option<Ratio>,
     rule: Rule,
-    max_lost_share: f64,
-    max_slowdown: f64,
-}
-
-/// How far a thing may shrink.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Need<'a> {
-    /// The smallest value that does; none if not even the first step does.
-    pub smallest: Option<&'a str>,
-    /// The value that does no longer; none if every step does.
-    pub too_small: Option<&'a str>,
+    /// Where a structure is too small.
+    limits: &'a NeedRecord,
 }
 
 /// A need elsewhere.
@@ -91,8 +82,8 @@ impl<'a> Step<'a> {
     /// Whether the answers are as good as those of the whole structure, as far as so many rays can tell; `in_time`: and its traces do not
     /// take much longer.
     pub fn is_enough(&self, in_time: bool) -> bool {
-        let is_quick = self.times_as_long.is_none_or(|ratio| ratio.value <= self.max_slowdown);
-        self.lost().is_some_and(|(_, [_, upper])| upper <= self.max_lost_share) && (is_quick || !in_time)
+        let is_quick = self.times_as_long.is_none_or(|ratio| ratio.value <= self.limits.max_slowdown);
+        self.lost().is_some_and(|(_, [_, upper])| upper <= self.limits.max_lost_share) && (is_quick || !in_time)
     }
 
     /// The same by answers alone, where these were compared, and whether they tell.
@@ -100,7 +91,7 @@ impl<'a> Step<'a> {
         let (_, [lower, _]) = self.lost()?;
         Some(match self.is_enough(false) {
             true => Outcome::Enough,
-            false if lower > self.max_lost_share => Outcome::NotEnough,
+            false if lower > self.limits.max_lost_share => Outcome::NotEnough,
             false => Outcome::Undecided,
         })
     }
@@ -135,12 +126,11 @@ fn touched(row: &Row, trace: &TraceRecord, touch: &Touch) -> Option<f64> {
 }
 
 impl<'a> Axis<'a> {
-    /// How far it may shrink by answers alone; `in_time`: where traces must not take much longer, either.
-    pub fn need(&self, in_time: bool) -> Need<'a> {
-        let [smallest, too_small] =
-            [self.enough(in_time).last(), self.measured().find(|step| !step.is_enough(in_time))]
-                .map(|step| step.and_then(|step| step.value(self.name)));
-        Need { smallest, too_small }
+    /// How far it may shrink by answers alone; `in_time`: where traces must not take much longer, either. The smallest value that does, none
+    /// if not even the first step does, and the value that does no longer, none if every step does.
+    pub fn need(&self, in_time: bool) -> [Option<&'a str>; 2] {
+        let too_small = self.measured().find(|step| !step.is_enough(in_time));
+        [self.enough(in_time).last(), too_small].map(|step| step?.value(self.name))
     }
 
     /// Steps before the first that is not enough.
@@ -159,7 +149,7 @@ impl<'a> Curve<'a> {
     pub fn unseen_loss(&self) -> Option<(u64, f64)> {
         let rays = self.steps().find_map(|step| step.changed)?.rays;
         let (_, [_, upper]) = paired_difference(0, 0, rays)?;
-        (upper > self.whole.max_lost_share).then_some((rays, upper))
+        (upper > self.whole.limits.max_lost_share).then_some((rays, upper))
     }
 
     /// Every smaller structure.
@@ -169,11 +159,11 @@ impl<'a> Curve<'a> {
 
     /// What was found to be needed: as far as each axis may shrink alone, by both measures, and the smallest structures of all.
     fn needs(&self) -> Vec<&'a BTreeMap<String, String>> {
-        let of_axis = |axis: &Axis<'a>, need: Need<'a>| {
-            let smallest = need.smallest?;
+        let of_axis = |axis: &Axis<'a>, in_time: bool| {
+            let smallest = axis.need(in_time)[0]?;
             Some(&axis.steps.iter().find(|step| step.value(axis.name) == Some(smallest))?.point.shrunk)
         };
-        let singles = self.axes.iter().flat_map(|axis| [false, true].map(|in_time| of_axis(axis, axis.need(in_time))));
+        let singles = self.axes.iter().flat_map(|axis| [false, true].map(|in_time| of_axis(axis, in_time)));
         let smallest = [false, true].map(|in_time| Some(&self.needed(in_time).point.shrunk));
         singles.chain(smallest).flatten().filter(|values| !values.is_empty()).unique().collect()
     }
@@ -189,17 +179,11 @@ impl<'a> Curve<'a> {
 
 /// Every curve of a record, by ray set.
 pub fn curves<'a>(record: &'a Record, section: &'a NeedRecord) -> Vec<Curve<'a>> {
-    let of = |curve: &'a NeedCurve| of_record(record, curve, section.max_lost_share, section.max_slowdown);
-    section.curves.iter().flat_map(of).collect()
+    section.curves.iter().flat_map(|curve| of_record(record, section, curve)).collect()
 }
 
 /// The curves of one tracer in one place.
-pub(super) fn of_record<'a>(
-    record: &'a Record,
-    curve: &'a NeedCurve,
-    max_lost_share: f64,
-    max_slowdown: f64,
-) -> Vec<Curve<'a>> {
+pub(super) fn of_record<'a>(record: &'a Record, limits: &'a NeedRecord, curve: &'a NeedCurve) -> Vec<Curve<'a>> {
     let rows: Vec<&Row> = record.rows.iter().filter(|row| curve.holds(row)).collect();
     let Some(whole) = curve.points.first() else { return Vec::new() };
     let Some(own) = rows.iter().copied().find(|row| whole.is_of(row)) else { return Vec::new() };
@@ -215,7 +199,7 @@ pub(super) fn of_record<'a>(
                 wholes.find(|(_, other)| other.times.interleaved_set == trace.times.interleaved_set)?;
             record.paired(&Timed::trace(row, trace), &Timed::trace(beside, other)).ratio
         });
-        Step { point, row, trace, changed, times_as_long, rule: curve.rule, max_lost_share, max_slowdown }
+        Step { point, row, trace, changed, times_as_long, rule: curve.rule, limits }
     };
     let of_set = |trace: &'a TraceRecord| {
         let rays = trace.rays.as_str();

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use itertools::Itertools as _;
 
-pub use curves::{Axis, Curve, Need, Step, Transfer, curves, transfers};
+pub use curves::{Axis, Curve, Step, Transfer, curves, transfers};
 pub use rules::{OfTracer, Outcome, Thumb, Tried, rules};
 
 use crate::judge::Rule;
@@ -135,8 +135,7 @@ pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
             let here = Plan { scenes: vec![source.clone()], view: wanted, ..plan.clone() };
             for (place, request) in plan.tracers.iter().enumerate() {
                 let index = PLACES * (index * plan.tracers.len() + place) + 2 * view;
-                let before = joint_before(&section.curves, request);
-                match curve(index, &here, view as u32, (request, &before), &mut record, context) {
+                match curve(index, &here, view as u32, (request, &section), &mut record, context) {
                     Ok(curve) => section.curves.push(curve),
                     Err(error @ RunError::NoOtherView(..)) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
@@ -167,7 +166,7 @@ fn curve(
     index: usize,
     plan: &Plan,
     view: u32,
-    (request, before): (&TracerRequest, &[BTreeMap<String, String>]),
+    (request, section): (&TracerRequest, &NeedRecord),
     record: &mut Record,
     context: &Context<'_>,
 ) -> Result<NeedCurve, RunError> {
@@ -186,12 +185,11 @@ fn curve(
     };
     measure::add(record, found);
     // As far as each axis may shrink alone, all at once: by ray set, and by both measures.
-    let mut together = joint(record, &curve);
+    let together = joint(record, section, &curve);
     // What was found together elsewhere is tried here as well.
-    let further = before.iter().filter(|values| !together.contains(values)).cloned().collect::<Vec<_>>();
-    together.extend(further);
+    let together = together.into_iter().chain(joint_before(&section.curves, request)).unique();
     let mut joints: Vec<Shrunk> = singles.first().cloned().into_iter().collect();
-    joints.extend(together.into_iter().filter_map(|values| shrunk(request, plan.preset, values)));
+    joints.extend(together.filter_map(|values| shrunk(request, plan.preset, values)));
     joints.truncate(MAX_RESIDENT);
     if joints.len() > 1 {
         let (found, points) = place(index + 1, plan, request, &joints, context)?;
@@ -209,11 +207,11 @@ fn joint_before(curves: &[NeedCurve], request: &TracerRequest) -> Vec<BTreeMap<S
 }
 
 /// What several axes have at once, each as far as it may shrink alone; only where that is more than one.
-fn joint(record: &Record, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
+fn joint(record: &Record, section: &NeedRecord, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
     let aligned = record.aligned();
-    let told = curves::of_record(&aligned, curve, MAX_LOST_SHARE, MAX_SLOWDOWN);
+    let told = curves::of_record(&aligned, section, curve);
     let needs = told.iter().cartesian_product([false, true]).map(|(told, in_time)| -> BTreeMap<String, String> {
-        let smallest = |axis: &Axis<'_>| Some((axis.name.to_owned(), axis.need(in_time).smallest?.to_owned()));
+        let smallest = |axis: &Axis<'_>| Some((axis.name.to_owned(), axis.need(in_time)[0]?.to_owned()));
         told.axes.iter().filter_map(smallest).collect()
     });
     needs.filter(|needs| needs.len() > 1).unique().collect()

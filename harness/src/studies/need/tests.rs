@@ -131,7 +131,10 @@ fn needs_end_before_the_first_loss() {
         let [curve] = &curves[..] else { panic!("one") };
         let axis = &curve.axes[0];
         let mib = |in_time| curve.needed(in_time).bytes().unwrap() >> 20;
-        let told = |need: Need<'_>| (need.smallest.map(str::to_owned), need.too_small.map(str::to_owned));
+        let told = |need: [Option<&str>; 2]| {
+            let [smallest, too_small] = need.map(|value| value.map(str::to_owned));
+            (smallest, too_small)
+        };
         (told(axis.need(false)), told(axis.need(true)), mib(false), mib(true))
     };
     let some = |text: &str| Some(text.to_owned());
@@ -178,8 +181,7 @@ fn what_is_larger_is_no_step() {
         let mut record = fixture::run(&[], &[]);
         (record.rows, record.need) = (rows, Some(section_of(vec![curve])));
         let curves = curves(&record, record.need.as_ref().unwrap());
-        let need = curves[0].axes[0].need(false);
-        assert_eq!((need.smallest, need.too_small), (Some("4"), Some("2")));
+        assert_eq!(curves[0].axes[0].need(false), [Some("4"), Some("2")]);
         assert_eq!(curves[0].needed(false).bytes(), Some(16 << 20));
     }
 }
@@ -339,7 +341,7 @@ fn counts_are_those_of_rows() {
             compared += newly_wrong;
         }
         let axis = &curve.axes[0];
-        assert!(axis.name == RESOLUTION && axis.need(false).too_small.is_some(), "{:?}", axis.need(false));
+        assert!(axis.name == RESOLUTION && axis.need(false)[1].is_some(), "{:?}", axis.need(false));
         assert!(curve.whole.touched_bytes().unwrap() <= curve.whole.bytes().unwrap() as f64);
     }
     assert!(compared > 0);

@@ -99,6 +99,8 @@ pub struct FrameCost {
     pub once: Amount,
     /// Its traces.
     pub traces: Fit,
+    /// Why no verdict rests on these times, if none does.
+    pub caveat: Option<String>,
 }
 
 impl FrameCost {
@@ -155,9 +157,9 @@ pub fn range(one: &FrameCost, other: &FrameCost) -> [f64; 2] {
     [least / BEYOND, most * BEYOND]
 }
 
-/// Which of two is cheaper where. `caveat`: why no verdict rests on the times of one of them.
-pub fn break_even(one: &FrameCost, other: &FrameCost, caveat: Option<String>) -> BreakEven {
-    if let Some(caveat) = caveat {
+/// Which of two is cheaper where.
+pub fn break_even(one: &FrameCost, other: &FrameCost) -> BreakEven {
+    if let Some(caveat) = one.caveat.clone().or_else(|| other.caveat.clone()) {
         return BreakEven::Undecided(caveat);
     }
     let [least, most] = range(one, other);
@@ -208,7 +210,7 @@ pub struct Stretch {
 }
 
 /// Who is cheapest of several methods, from the fewest rays to the most; by the values alone, with what is sure of each change.
-pub fn stretches(costs: &[FrameCost], doubts: &[Option<String>]) -> Vec<Stretch> {
+pub fn stretches(costs: &[FrameCost]) -> Vec<Stretch> {
     let all = || costs.iter().map(|cost| range(cost, cost));
     let least = all().map(|[low, _]| low).fold(f64::INFINITY, f64::min);
     let most = all().map(|[_, high]| high).fold(0.0, f64::max);
@@ -222,8 +224,7 @@ pub fn stretches(costs: &[FrameCost], doubts: &[Option<String>]) -> Vec<Stretch>
     let first = changes.first().map(|&(who, from)| Stretch { who, from, overtakes: None });
     let later = changes.windows(2).map(|pair| {
         let [(last, _), (who, rays)] = [pair[0], pair[1]];
-        let caveat = doubts[last].clone().or_else(|| doubts[who].clone());
-        let found = break_even(&costs[last], &costs[who], caveat);
+        let found = break_even(&costs[last], &costs[who]);
         Stretch { who, from: found.at().map_or(rays, |(rays, ..)| rays), overtakes: Some(found) }
     });
     first.into_iter().chain(later).collect()
@@ -237,7 +238,7 @@ mod tests {
     fn method(once: f64, [fixed, per_ray]: [f64; 2], share: f64) -> FrameCost {
         let amount = |value: f64| Amount { value, interval: [value * (1.0 - share), value * (1.0 + share)] };
         let samples = [1e3, 4e3, 16e3].map(|rays| (rays, amount(fixed + per_ray * rays)));
-        FrameCost { once: amount(once), traces: Fit::new(samples.to_vec()).unwrap() }
+        FrameCost { once: amount(once), traces: Fit::new(samples.to_vec()).unwrap(), caveat: None }
     }
 
     fn near(found: f64, expected: f64) -> bool {
@@ -289,19 +290,19 @@ mod tests {
     fn lines_meet_where_the_formula_says() {
         let (slow_build, slow_trace) = (method(20.0, [1.0, 1e-3], 0.0), method(4.0, [1.0, 3e-3], 0.0));
         let expected = (20.0 - 4.0) / (3e-3 - 1e-3);
-        let found = break_even(&slow_build, &slow_trace, None);
+        let found = break_even(&slow_build, &slow_trace);
         let BreakEven::At { below: 1, rays, interval: [low, high], beyond_measured: false } = found else {
             panic!("{found:?}")
         };
         assert!(near(rays, expected) && near(low, expected) && near(high, expected), "{rays} {low} {high}");
-        let turned = break_even(&slow_trace, &slow_build, None);
+        let turned = break_even(&slow_trace, &slow_build);
         assert!(matches!(turned, BreakEven::At { below: 0, rays, .. } if near(rays, expected)), "{turned:?}");
         // Far out it is told that nothing was measured there.
-        let far = break_even(&method(200.0, [1.0, 1e-3], 0.0), &slow_trace, None);
+        let far = break_even(&method(200.0, [1.0, 1e-3], 0.0), &slow_trace);
         assert!(matches!(far, BreakEven::At { beyond_measured: true, .. }), "{far:?}");
         let better = method(3.0, [0.5, 2e-3], 0.0);
-        assert_eq!(break_even(&better, &slow_trace, None), BreakEven::Always(0));
-        assert_eq!(break_even(&slow_trace, &better, None), BreakEven::Always(1));
+        assert_eq!(break_even(&better, &slow_trace), BreakEven::Always(0));
+        assert_eq!(break_even(&slow_trace, &better), BreakEven::Always(1));
     }
 
     /// Proves that intervals which overlap at an end decide nothing, that wider ones give a wider stretch of overlap which holds the
@@ -313,18 +314,20 @@ mod tests {
         let mut widths = Vec::new();
         for share in [0.001, 0.01, 0.05] {
             let (one, other) = pair(share);
-            let found = break_even(&one, &other, None);
+            let found = break_even(&one, &other);
             let BreakEven::At { rays, interval: [low, high], .. } = found else { panic!("{found:?}") };
             assert!(near(rays, expected) && low < expected && expected < high);
             widths.push(high / low);
         }
         assert!(widths[0] < widths[1] && widths[1] < widths[2]);
         let (one, other) = pair(0.6);
-        assert!(matches!(break_even(&one, &other, None), BreakEven::Undecided(_)));
-        assert!(matches!(break_even(&one, &one, None), BreakEven::Undecided(_)));
+        assert!(matches!(break_even(&one, &other), BreakEven::Undecided(_)));
+        assert!(matches!(break_even(&one, &one), BreakEven::Undecided(_)));
         let (one, other) = pair(0.001);
-        let doubted = break_even(&one, &other, Some("drift".to_owned()));
-        assert_eq!(doubted, BreakEven::Undecided("drift".to_owned()));
+        let doubted = FrameCost { caveat: Some("drift".to_owned()), ..other };
+        for found in [break_even(&one, &doubted), break_even(&doubted, &one)] {
+            assert_eq!(found, BreakEven::Undecided("drift".to_owned()));
+        }
     }
 
     /// Proves that the cheapest of several change hands in the order of what a ray takes, and that one which is never cheapest is not
@@ -337,10 +340,10 @@ mod tests {
             method(99.0, [1.0, 4.1e-3], 0.0),
             method(1.0, [0.1, 2e-2], 0.0),
         ];
-        let found = stretches(&costs, &[None, None, None, None]);
+        let found = stretches(&costs);
         assert_eq!(found.iter().map(|stretch| stretch.who).collect::<Vec<_>>(), [3, 1, 0]);
         assert!(found[0].overtakes.is_none());
         assert!(near(found[1].from, 9.9 / 16e-3) && near(found[2].from, 90.0 / 3e-3), "{found:?}");
-        assert!(stretches(&[], &[]).is_empty());
+        assert!(stretches(&[]).is_empty());
     }
 }

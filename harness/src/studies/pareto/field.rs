@@ -3,7 +3,7 @@
 use itertools::Itertools as _;
 use tracebench_api::{ClockKind, Query};
 
-use super::front::{CostAndError, FrontStatus, front, front_statuses};
+use super::front::{CostAndError, FrontStatus, front_statuses};
 use crate::results::{
     Accuracy, FrontPoint, FrontScene, Judgement, ParetoRecord, Record, Row, Rule, Timed, Times, TraceRecord,
     ViewpointRecord, same_rays,
@@ -191,10 +191,16 @@ pub struct Entry<'a> {
     pub trace: &'a TraceRecord,
 }
 
+/// A point in its place by cost and error, and how it stands to a front.
+pub type Standing<'a> = (Entry<'a>, CostAndError, FrontStatus);
+
 /// All points over one ray set in one place.
 #[derive(Clone, Debug)]
 pub struct Field<'a> {
-    record: &'a Record,
+    /// The record.
+    pub record: &'a Record,
+    /// Its points.
+    pub section: &'a ParetoRecord,
     /// The scene.
     pub scene: &'a FrontScene,
     /// The viewpoint, by which frame and faces of rows do not count.
@@ -209,6 +215,8 @@ pub struct Field<'a> {
     pub entries: Vec<Entry<'a>>,
     /// The controls on the same rays; they are part of no front.
     pub controls: Vec<(&'a Row, &'a TraceRecord)>,
+    /// The same ray set where chosen points were measured again.
+    pub elsewhere: Option<Box<Self>>,
 }
 
 /// Whether a row was measured from a viewpoint with its rays; frame and faces are the row's own.
@@ -232,48 +240,47 @@ pub(super) fn sees_nothing(trace: &TraceRecord) -> bool {
 }
 
 /// Every ray set that was traced from a scene's viewpoint and hit anything, in the order of first appearance.
-pub fn fields<'a>(
-    record: &'a Record,
-    section: &'a ParetoRecord,
-    scene: &'a FrontScene,
-    viewpoint: &'a ViewpointRecord,
-) -> Vec<Field<'a>> {
-    let rows: Vec<&Row> =
-        record.rows.iter().filter(|row| row.update_mode.is_none() && is_at(row, scene, viewpoint)).collect();
-    let mut fields: Vec<Field<'a>> = Vec::new();
-    for (index, point) in section.points.iter().enumerate() {
-        let Some(row) = rows.iter().copied().find(|row| point.is_of(row)) else { continue };
-        for trace in row.traces.iter().filter(|trace| !sees_nothing(trace)) {
-            let entry = Entry { index, point, row, trace };
-            match fields.iter_mut().find(|field| field.rays == trace.rays) {
-                Some(field) => field.entries.push(entry),
-                None => fields.push(Field {
-                    record,
-                    scene,
-                    viewpoint,
-                    rays: &trace.rays,
-                    query: trace.query,
-                    count: trace.count,
-                    entries: vec![entry],
-                    controls: controls(record, scene, viewpoint, trace),
-                }),
+pub fn fields<'a>(record: &'a Record, section: &'a ParetoRecord, scene: &'a FrontScene) -> Vec<Field<'a>> {
+    let from = |viewpoint: &'a ViewpointRecord| {
+        let here = |row: &&Row| is_at(row, scene, viewpoint);
+        let rows: Vec<&Row> = record.rows.iter().filter(|row| row.update_mode.is_none()).filter(here).collect();
+        let controls = |trace: &TraceRecord| {
+            let beside = |row: &'a Row| Some((row, row.traces.iter().find(|other| same_rays(other, trace))?));
+            // Points that were tried alone have controls of their own; they score the same.
+            let traced = record.controls.iter().filter(here).filter_map(beside);
+            traced.unique_by(|(row, _)| row.tracer.name.clone()).collect()
+        };
+        let mut fields: Vec<Field<'a>> = Vec::new();
+        for (index, point) in section.points.iter().enumerate() {
+            let Some(row) = rows.iter().copied().find(|row| point.is_of(row)) else { continue };
+            for trace in row.traces.iter().filter(|trace| !sees_nothing(trace)) {
+                let entry = Entry { index, point, row, trace };
+                match fields.iter_mut().find(|field| field.rays == trace.rays) {
+                    Some(field) => field.entries.push(entry),
+                    None => fields.push(Field {
+                        record,
+                        section,
+                        scene,
+                        viewpoint,
+                        rays: &trace.rays,
+                        query: trace.query,
+                        count: trace.count,
+                        entries: vec![entry],
+                        controls: controls(trace),
+                        elsewhere: None,
+                    }),
+                }
             }
+        }
+        fields
+    };
+    let mut fields = from(&scene.viewpoint);
+    for there in scene.held_out.iter().flat_map(|there| from(&there.viewpoint)) {
+        if let Some(here) = fields.iter_mut().find(|here| here.rays == there.rays) {
+            here.elsewhere = Some(Box::new(there));
         }
     }
     fields
-}
-
-/// The controls beside a trace.
-fn controls<'a>(
-    record: &'a Record,
-    scene: &FrontScene,
-    viewpoint: &ViewpointRecord,
-    trace: &TraceRecord,
-) -> Vec<(&'a Row, &'a TraceRecord)> {
-    let rows = record.controls.iter().filter(|row| is_at(row, scene, viewpoint));
-    let traced = rows.filter_map(|row| Some((row, row.traces.iter().find(|other| same_rays(other, trace))?)));
-    // Points that were tried alone have controls of their own; they score the same.
-    traced.unique_by(|(row, _)| row.tracer.name.clone()).collect()
 }
 
 impl<'a> Field<'a> {
@@ -337,20 +344,8 @@ impl<'a> Field<'a> {
         entries.iter().filter_map(spot).collect()
     }
 
-    /// The front of a choice of entries, the cheapest first.
-    pub fn front(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, CostAndError)> {
-        let all = self.spots(entries, cost, by);
-        let spots: Vec<CostAndError> = all.iter().map(|(_, spot)| *spot).collect();
-        front(&spots).into_iter().map(|place| all[place]).collect()
-    }
-
     /// How the entries of a choice stand to their own front; entries that lack cost or error are in no choice.
-    pub fn front_statuses(
-        &self,
-        entries: &[Entry<'a>],
-        cost: Cost,
-        by: By,
-    ) -> Vec<(Entry<'a>, CostAndError, FrontStatus)> {
+    pub fn front_statuses(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<Standing<'a>> {
         let all = self.spots(entries, cost, by);
         let spots: Vec<CostAndError> = all.iter().map(|(_, spot)| *spot).collect();
         let surely = |one: usize, other: usize| self.surely_better(&all[one].0, &all[other].0, cost, by);

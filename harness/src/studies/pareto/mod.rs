@@ -20,10 +20,10 @@ use tracebench_api::Update;
 
 pub use break_even::{BEYOND, BreakEven, Fit, FrameCost, Motion, Stretch, break_even, stretches};
 pub use design::{Axis, axes, order, points};
-pub use field::{Amount, By, Cost, Entry, Field, Wrong, bytes, fields, on_host};
-pub use front::{CostAndError, FrontStatus, front, front_statuses};
+pub use field::{Amount, By, Cost, Entry, Field, Standing, Wrong, bytes, fields, on_host};
+pub use front::{CostAndError, FrontStatus};
 pub use operating::{Aim, Check, LEVELS, best, check, chosen, farthest};
-pub use verdicts::{Class, ClassCost, SceneFronts, classes, contested, scene_fronts};
+pub use verdicts::{Class, ClassCost, classes, contested};
 
 use crate::measure::session::{PreparedRays, Session};
 use crate::measure::{self, Context, MeasureOptions, Measured, Observations, RunError};
@@ -100,60 +100,64 @@ impl Pareto {
     ///
     /// # Errors
     /// As [`measure::execute_all`].
-    pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
+    pub fn execute(self, context: &Context<'_>) -> Result<Record, RunError> {
+        let Self { plan, requests, section } = self;
         // What is wrong with the last scene is said before the first is measured.
-        drop(measure::load(&self.plan, context.progress)?);
-        context.check_rays(&self.plan)?;
-        let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
-        for (index, source) in self.plan.scenes.clone().into_iter().enumerate() {
+        drop(measure::load(&plan, context.progress)?);
+        context.check_rays(&plan)?;
+        let record = measure::begin(std::slice::from_ref(&plan), context);
+        let mut measuring = Measuring { requests, section, record, context };
+        for (index, source) in plan.scenes.iter().enumerate() {
             if context.takes(index) {
-                let plan = Plan { scenes: vec![source], ..self.plan.clone() };
-                let scene = self.scene(PLACES * index, &plan, &mut record, context)?;
-                self.section.scenes.push(scene);
+                let plan = Plan { scenes: vec![source.clone()], ..plan.clone() };
+                let scene = measuring.scene(PLACES * index, &plan)?;
+                measuring.section.scenes.push(scene);
             }
         }
-        record.skipped.extend(left_out(&self.section));
+        let Measuring { section, mut record, .. } = measuring;
+        record.skipped.extend(left_out(&section));
         if record.rows.is_empty() && context.shard.is_none() {
             return Err(measure::nothing(&record));
         }
-        record.pareto = Some(self.section);
+        record.pareto = Some(section);
         Ok(record)
     }
+}
 
+/// Fronts that are being measured.
+struct Measuring<'a> {
+    requests: Vec<TracerRequest>,
+    section: ParetoRecord,
+    record: Record,
+    context: &'a Context<'a>,
+}
+
+impl Measuring<'_> {
     /// One scene, in all of its places from an index on.
-    fn scene(
-        &mut self,
-        index: usize,
-        plan: &Plan,
-        record: &mut Record,
-        context: &Context<'_>,
-    ) -> Result<FrontScene, RunError> {
-        let all: Vec<usize> = (0..self.size()).collect();
-        let found = self.measure(index, plan, &all, MeasureOptions::timed(plan), context)?;
+    fn scene(&mut self, index: usize, plan: &Plan) -> Result<FrontScene, RunError> {
+        let all: Vec<usize> = (0..self.requests.len()).collect();
+        let found = self.measure(index, plan, &all, MeasureOptions::timed(plan))?;
         let mut told =
             FrontScene { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), ..Default::default() };
         let name = found.scene.name.clone();
-        record.skipped.extend(blind(&found));
-        self.add(record, &all, found, &name);
+        self.record.skipped.extend(blind(&found));
+        self.add(&all, found, &name);
         // By what was measured so far, as its page will say.
-        let chosen: Vec<usize> = {
-            let aligned = record.aligned();
-            chosen(&fields(&aligned, &self.section, &told, &told.viewpoint)).into_iter().collect()
-        };
+        let chosen: Vec<usize> = chosen(&fields(&self.record.aligned(), &self.section, &told)).into_iter().collect();
         if chosen.is_empty() {
             return Ok(told);
         }
-        context.progress.say(&format!("{} of {} points are chosen", chosen.len(), self.size()));
+        self.context.progress.say(&format!("{} of {} points are chosen", chosen.len(), all.len()));
         let checking = elsewhere(plan);
-        match self.measure(index + 1, &checking, &chosen, MeasureOptions::untimed(), context) {
+        match self.measure(index + 1, &checking, &chosen, MeasureOptions::untimed()) {
             Ok(found) => {
                 let held_out = HeldOutRecord { seed: checking.seed, viewpoint: found.viewpoint.clone() };
-                self.add(record, &chosen, found, &format!("{name} from {}", held_out.viewpoint.name));
+                self.add(&chosen, found, &format!("{name} from {}", held_out.viewpoint.name));
                 told.held_out = Some(held_out);
             }
             Err(error @ RunError::NoOtherView(..)) => {
                 let (scene, reason) = (name.clone(), error.to_string());
-                record.skipped.push(Skipped { tracer: None, scene, rays: None, reason: reason.clone() });
+                self.record.skipped.push(Skipped { tracer: None, scene, rays: None, reason: reason.clone() });
                 told.held_out_skipped = Some(reason);
             }
             Err(error) => return Err(error),
@@ -163,14 +167,14 @@ impl Pareto {
             let smaller = Plan { preset: RunPreset { ray_image, ..plan.preset }, ..plan.clone() };
             // Its builds are those of before.
             let options = MeasureOptions { builds_timed: false, validated: false, ..MeasureOptions::timed(&smaller) };
-            let found = self.measure(index + 2 + place, &smaller, &chosen, options, context)?;
+            let found = self.measure(index + 2 + place, &smaller, &chosen, options)?;
             let [width, height] = found.viewpoint.ray_image;
-            self.add(record, &chosen, found, &format!("{name} with {width}×{height} pixels"));
+            self.add(&chosen, found, &format!("{name} with {width}×{height} pixels"));
             told.ray_images.push([width, height]);
         }
         let index = index + 2 + SMALLER_IMAGES.len();
-        self.refits(index, plan, &chosen, record, context)?;
-        told.pictures = self.pictures(index + 1, plan, record, &told, context)?;
+        self.refits(index, plan, &chosen)?;
+        told.pictures = self.pictures(index + 1, plan, &told)?;
         Ok(told)
     }
 
@@ -180,26 +184,12 @@ impl Pareto {
     }
 
     /// Some points in a plan's only scene.
-    fn measure(
-        &self,
-        index: usize,
-        plan: &Plan,
-        points: &[usize],
-        options: MeasureOptions,
-        context: &Context<'_>,
-    ) -> Result<Measured, RunError> {
-        measure::measure_plan(index, plan, &self.requests(points), options, None, context)
+    fn measure(&self, index: usize, plan: &Plan, points: &[usize], how: MeasureOptions) -> Result<Measured, RunError> {
+        measure::measure_plan(index, plan, &self.requests(points), how, None, self.context)
     }
 
     /// Refits of those points that can be refitted.
-    fn refits(
-        &mut self,
-        index: usize,
-        plan: &Plan,
-        points: &[usize],
-        record: &mut Record,
-        context: &Context<'_>,
-    ) -> Result<(), RunError> {
+    fn refits(&mut self, index: usize, plan: &Plan, points: &[usize]) -> Result<(), RunError> {
         let can = |point: &usize| self.requests[*point].registration.describe().serves(Update::Refit).is_ok();
         let points: Vec<usize> = points.iter().copied().filter(can).collect();
         if points.is_empty() {
@@ -207,27 +197,21 @@ impl Pareto {
         }
         let plan = Plan { ray_sets: Vec::new(), ..plan.clone() };
         let options = MeasureOptions { refitted: true, ..MeasureOptions::timed(&plan) };
-        let mut found = self.measure(index, &plan, &points, options, context)?;
+        let mut found = self.measure(index, &plan, &points, options)?;
         for row in found.rows.iter_mut().flatten() {
             row.update_mode = Some(UpdateModeRecord { name: STILL_REFIT.to_owned(), parameters: Default::default() });
         }
         let place = format!("{}, refits", found.scene.name);
-        self.add(record, &points, found, &place);
+        self.add(&points, found, &place);
         Ok(())
     }
 
     /// Pictures of what points on fronts answer, beside the record where there is a folder for it.
-    fn pictures(
-        &self,
-        index: usize,
-        plan: &Plan,
-        record: &Record,
-        scene: &FrontScene,
-        context: &Context<'_>,
-    ) -> Result<Vec<SetPictures>, RunError> {
+    fn pictures(&self, index: usize, plan: &Plan, scene: &FrontScene) -> Result<Vec<SetPictures>, RunError> {
+        let context = self.context;
         let Some(results) = context.journal.results() else { return Ok(Vec::new()) };
         let costs = Cost::all(&self.section.rays_per_pixel);
-        let points = pictures::shown(&fields(&record.aligned(), &self.section, scene, &scene.viewpoint), &costs);
+        let points = pictures::shown(&fields(&self.record.aligned(), &self.section, scene), &costs);
         if points.is_empty() {
             return Ok(Vec::new());
         }
@@ -242,8 +226,8 @@ impl Pareto {
     }
 
     /// Adds what was measured of some points, and notes those that could not be.
-    fn add(&mut self, record: &mut Record, points: &[usize], found: Measured, place: &str) {
-        for (request, refusal) in measure::add(record, found) {
+    fn add(&mut self, points: &[usize], found: Measured, place: &str) {
+        for (request, refusal) in measure::add(&mut self.record, found) {
             self.section.points[points[request]].skipped.insert(place.to_owned(), refusal.reason);
         }
     }

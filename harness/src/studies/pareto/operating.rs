@@ -91,9 +91,8 @@ pub enum Check {
 }
 
 /// Holds a chosen point against the same ray set elsewhere.
-pub fn check(elsewhere: &[Field<'_>], rays: &str, point: &FrontPoint, by: By, level: f64) -> Check {
-    let field = elsewhere.iter().find(|field| field.rays == rays);
-    let entry = field.and_then(|field| field.entries.iter().find(|entry| entry.point == point));
+pub fn check(field: &Field<'_>, point: &FrontPoint, by: By, level: f64) -> Check {
+    let entry = field.elsewhere.iter().flat_map(|there| &there.entries).find(|entry| entry.point == point);
     let Some(wrong) = entry.and_then(|entry| Wrong::of(entry.trace, by)) else { return Check::NotMeasured };
     let [least, most] = [wrong.share.interval[1], wrong.share.interval[0]].map(|wrong| 1.0 - wrong);
     if meets(least, level) {

@@ -40,11 +40,9 @@ fn several() -> Vec<FrontQuality<'static>> {
 /// Every field, cost and rule of a run.
 fn each(record: &Record, look: &mut dyn FnMut(&Field<'_>, Cost, By)) {
     let section = record.pareto.as_ref().unwrap();
-    for fronts in scene_fronts(record, section) {
-        for field in &fronts.fields {
-            for cost in Cost::all(&section.rays_per_pixel) {
-                By::all(field.query).iter().for_each(|by| look(field, cost, *by));
-            }
+    for field in section.scenes.iter().flat_map(|scene| fields(record, section, scene)) {
+        for cost in Cost::all(&section.rays_per_pixel) {
+            By::all(field.query).iter().for_each(|by| look(&field, cost, *by));
         }
     }
 }
@@ -100,9 +98,6 @@ fn fronts_hold(record: &Record, build_ms: fn(&Row) -> [f64; 2]) {
             for entry in &on {
                 assert!(!is_beaten(entry), "{} by {by:?} and {cost:?}", entry.point.label());
             }
-            let places = |of: Vec<Entry<'_>>| of.iter().map(|entry| entry.index).collect::<BTreeSet<usize>>();
-            let drawn = field.front(&entries, cost, by).into_iter().map(|(entry, _)| entry).collect();
-            assert_eq!(places(drawn), places(on.clone()));
             // The check notices what is not on the front.
             beaten += entries.iter().filter(|entry| is_beaten(entry)).count();
             looked += on.len();
@@ -152,8 +147,8 @@ fn perfect_and_free_owns_every_front() {
 fn operating_points_are_the_cheapest() {
     let record = fixture::fronts(&several(), &SETS, 1.0);
     let section = record.pareto.as_ref().unwrap();
-    let scene = &scene_fronts(&record, section)[0];
-    let field = scene.fields.iter().find(|field| field.rays == "diffuse").unwrap();
+    let all = fields(&record, section, &section.scenes[0]);
+    let field = all.iter().find(|field| field.rays == "diffuse").unwrap();
     let by = By::Rule(crate::results::Rule::HitMiss);
     let of = |level: f64, aim: Aim| best(field, &field.entries, by, level, aim).map(|found| found.point.label());
     assert_eq!(of(0.99, Aim::Fastest).as_deref(), Some("c stride=6"));
@@ -164,7 +159,7 @@ fn operating_points_are_the_cheapest() {
     let own = field.of_tracer("b");
     assert!(Aim::ALL.iter().all(|aim| best(field, &own, by, 0.99, *aim).is_none()));
     assert_eq!(farthest(field, &own, by).unwrap().point.label(), "b stride=4");
-    let all = chosen(&scene.fields);
+    let all = chosen(&all);
     // Whatever is best of its tracer, and how far d gets, which is never good enough.
     assert!(
         all.contains(&0) && all.contains(&1) && all.contains(&5) && all.contains(&6) && !all.contains(&4),
@@ -173,15 +168,16 @@ fn operating_points_are_the_cheapest() {
     let held_out = |worse: f64| {
         let record = fixture::fronts(&several(), &SETS, worse);
         let section = record.pareto.as_ref().unwrap();
-        let scene = &scene_fronts(&record, section)[0];
-        check(&scene.elsewhere, "diffuse", &section.points[5], by, 0.999)
+        let fields = fields(&record, section, &section.scenes[0]);
+        check(&fields[0], &section.points[5], by, 0.999)
     };
     assert!(matches!(held_out(1.0), Check::Holds(_)), "{:?}", held_out(1.0));
     // As many as were asked for are wrong: so many rays cannot tell.
     assert!(matches!(held_out(2.5), Check::WithinNoise(_)), "{:?}", held_out(2.5));
     let Check::Misses(wrong, missed) = held_out(40.0) else { panic!("{:?}", held_out(40.0)) };
     assert!((missed - (wrong.share.value - 0.001)).abs() < 1e-12 && missed > 0.01);
-    assert_eq!(check(&[], "diffuse", &section.points[5], by, 0.999), Check::NotMeasured);
+    let alone = Field { elsewhere: None, ..field.clone() };
+    assert_eq!(check(&alone, &section.points[5], by, 0.999), Check::NotMeasured);
 }
 
 /// Proves that only points of one class are set against one another, that a class has the lines of its points, and that the break-even
@@ -195,10 +191,9 @@ fn classes_are_of_points_that_are_right_as_often() {
     ];
     let record = fixture::with_whole_builds(fixture::fronts(&points, &SETS[..1], 1.0));
     let section = record.pareto.as_ref().unwrap();
-    let scene = &scene_fronts(&record, section)[0];
-    let field = &scene.fields[0];
+    let field = &fields(&record, section, &section.scenes[0])[0];
     let by = By::Rule(crate::results::Rule::HitMiss);
-    for class in classes(scene, field, by, 0.99) {
+    for class in classes(field, by, 0.99) {
         assert_eq!(class.tracers(), ["slow build", "slow trace"]);
         let who: Vec<usize> = class.stretches.iter().map(|stretch| stretch.who).collect();
         match class.motion {
@@ -219,17 +214,18 @@ fn classes_are_of_points_that_are_right_as_often() {
         for cost in [one, other] {
             let (found, expected) = (at(cost, field.count as f64), expected(cost));
             assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
-            assert!(!cost.refitted && cost.caveat.is_none(), "{:?}", cost.caveat);
+            assert!(!cost.refitted && cost.cost.caveat.is_none(), "{:?}", cost.cost.caveat);
         }
     }
-    assert!(classes(scene, field, by, 0.99999).iter().all(|class| class.costs.is_empty()));
+    assert!(classes(field, by, 0.99999).iter().all(|class| class.costs.is_empty()));
     // Fewer rounds than a verdict needs decide nothing.
     let mut few = record.clone();
     for row in &mut few.rows {
         row.build.all_mut().for_each(|times| times.samples_ms.truncate(5));
     }
-    let scene = &scene_fronts(&few, few.pareto.as_ref().unwrap())[0];
-    let found = classes(scene, &scene.fields[0], by, 0.99);
+    let section = few.pareto.as_ref().unwrap();
+    let fields = fields(&few, section, &section.scenes[0]);
+    let found = classes(&fields[0], by, 0.99);
     let undecided = |stretch: &Stretch| matches!(stretch.overtakes, Some(BreakEven::Undecided(_)));
     assert!(found.iter().any(|class| class.stretches.iter().any(undecided)));
 }
@@ -275,36 +271,34 @@ fn chosen_points_are_measured_again() {
     drop(journal);
     let section = record.pareto.as_ref().unwrap();
     assert_eq!((section.points.len(), section.scenes.len()), (3, 1));
-    let fronts = &scene_fronts(&record, section)[0];
-    assert!(fronts.fields.len() == 2 && fronts.fields.iter().all(|field| field.entries.len() == 3));
-    let chosen = chosen(&fronts.fields);
+    let scene = &section.scenes[0];
+    let fields = fields(&record, section, scene);
+    assert!(fields.len() == 2 && fields.iter().all(|field| field.entries.len() == 3));
+    let chosen = chosen(&fields);
     assert!(!chosen.is_empty());
-    let held_out = fronts.scene.held_out.as_ref().unwrap();
-    assert!(held_out.seed == record.seed + FURTHER_SEED && held_out.viewpoint.eye != fronts.scene.viewpoint.eye);
-    for field in &fronts.elsewhere {
+    let held_out = scene.held_out.as_ref().unwrap();
+    assert!(held_out.seed == record.seed + FURTHER_SEED && held_out.viewpoint.eye != scene.viewpoint.eye);
+    for here in &fields {
+        let field = here.elsewhere.as_ref().unwrap();
         let there: BTreeSet<usize> = field.entries.iter().map(|entry| entry.index).collect();
         assert_eq!(there, chosen);
-        let here = fronts.fields.iter().find(|here| here.rays == field.rays).unwrap();
         assert!(here.entries[0].trace.rays_sha256 != field.entries[0].trace.rays_sha256);
     }
-    assert_eq!(fronts.elsewhere.len(), 2);
     // What is not asked of a place is not timed there: of smaller images builds, elsewhere anything.
     for row in record.rows.iter().filter(|row| row.update_mode.is_none()) {
-        let [is_here, is_smaller] = [
-            fronts.scene.viewpoint.ray_image == row.viewpoint.ray_image,
-            fronts.scene.ray_images.contains(&row.viewpoint.ray_image),
-        ];
+        let [is_here, is_smaller] =
+            [scene.viewpoint.ray_image == row.viewpoint.ray_image, scene.ray_images.contains(&row.viewpoint.ray_image)];
         assert_eq!(row.build.steady.is_some(), is_here);
         assert!(row.traces.iter().all(|trace| trace.times.samples_ms.is_empty() != (is_here || is_smaller)));
     }
-    assert_eq!(fronts.scene.ray_images, [[8, 4], [4, 2]]);
-    for entry in fronts.fields[0].entries.iter().filter(|entry| chosen.contains(&entry.index)) {
-        let refitted = refit(&record, fronts.scene, entry).unwrap();
+    assert_eq!(scene.ray_images, [[8, 4], [4, 2]]);
+    for entry in fields[0].entries.iter().filter(|entry| chosen.contains(&entry.index)) {
+        let refitted = refit(&record, scene, entry).unwrap();
         assert!(refitted.traces.is_empty() && refitted.build.times.samples_ms.len() == 2);
     }
     // Two rounds decide nothing.
-    let classes = classes(fronts, &fronts.fields[0], By::Rule(crate::results::Rule::Tight), 0.99);
-    assert!(classes.iter().flat_map(|class| &class.costs).all(|cost| cost.caveat.is_some()));
+    let classes = classes(&fields[0], By::Rule(crate::results::Rule::Tight), 0.99);
+    assert!(classes.iter().flat_map(|class| &class.costs).all(|cost| cost.cost.caveat.is_some()));
     let journal = Journal::resume(&results, &words, &machine).unwrap();
     let again = measured(&journal);
     assert_eq!(

@@ -1,26 +1,13 @@
-//! What follows from the rows of one scene: its ray sets here and elsewhere, and who overtakes whom within a class of points that are
-//! right as often.
+//! Who overtakes whom within a class of points that are right as often.
 
 use super::break_even::{Fit, FrameCost, Motion, Stretch, stretches};
-use super::field::{Amount, By, Entry, Field, fields, is_at, on_host};
+use super::field::{Amount, By, Entry, Field, is_at, on_host};
 use super::operating::{Aim, LEVELS, best};
 use super::refit;
-use crate::results::{FrontScene, MIN_ROUNDS, ParetoRecord, Record, Row, Timed, Times, TraceRecord};
+use crate::results::{MIN_ROUNDS, Record, Row, Timed, Times, TraceRecord};
 use itertools::Itertools as _;
 
-/// One scene.
-#[derive(Clone, Debug)]
-pub struct SceneFronts<'a> {
-    record: &'a Record,
-    /// The scene.
-    pub scene: &'a FrontScene,
-    /// Every ray set from the viewpoint by which points are chosen.
-    pub fields: Vec<Field<'a>>,
-    /// Those where chosen points were measured again.
-    pub elsewhere: Vec<Field<'a>>,
-}
-
-/// What a point takes for a frame, with why no verdict rests on it, if none does.
+/// What a point takes for a frame.
 #[derive(Clone, Debug)]
 pub struct ClassCost<'a> {
     /// The point.
@@ -29,15 +16,13 @@ pub struct ClassCost<'a> {
     pub cost: FrameCost,
     /// Whether it was refitted; else it was built.
     pub refitted: bool,
-    /// What speaks against its times.
-    pub caveat: Option<String>,
 }
 
 /// Points that are right as often, and who is cheapest of them at how many rays a frame.
 #[derive(Clone, Debug)]
 pub struct Class<'a> {
     /// The ray set.
-    pub rays: &'a str,
+    pub field: &'a Field<'a>,
     /// What is right.
     pub by: By,
     /// How often.
@@ -57,22 +42,8 @@ impl<'a> Class<'a> {
     }
 }
 
-/// Every scene of a record.
-pub fn scene_fronts<'a>(record: &'a Record, section: &'a ParetoRecord) -> Vec<SceneFronts<'a>> {
-    let of = |scene: &'a FrontScene| SceneFronts {
-        record,
-        scene,
-        fields: fields(record, section, scene, &scene.viewpoint),
-        elsewhere: scene
-            .held_out
-            .as_ref()
-            .map_or_else(Vec::new, |there| fields(record, section, scene, &there.viewpoint)),
-    };
-    section.scenes.iter().map(of).collect()
-}
-
 /// The classes of one ray set under one rule, by level and motion; those in which nobody is have no costs.
-pub fn classes<'a>(fronts: &SceneFronts<'a>, field: &Field<'a>, by: By, level: f64) -> Vec<Class<'a>> {
+pub fn classes<'a>(field: &'a Field<'a>, by: By, level: f64) -> Vec<Class<'a>> {
     let mut members: Vec<Entry<'a>> = Vec::new();
     for tracer in field.tracers() {
         let own = field.of_tracer(tracer);
@@ -82,54 +53,47 @@ pub fn classes<'a>(fronts: &SceneFronts<'a>, field: &Field<'a>, by: By, level: f
         }
     }
     let class = |motion: Motion| {
-        let cost = |entry: &Entry<'a>| class_cost(fronts, field, entry, motion);
+        let cost = |entry: &Entry<'a>| class_cost(field, entry, motion);
         let costs: Vec<ClassCost<'a>> = members.iter().filter_map(cost).collect();
         let frames: Vec<FrameCost> = costs.iter().map(|cost| cost.cost.clone()).collect();
-        let doubts: Vec<Option<String>> = costs.iter().map(|cost| cost.caveat.clone()).collect();
-        let stretches = stretches(&frames, &doubts);
-        Class { rays: field.rays, by, level, motion, costs, stretches }
+        let stretches = stretches(&frames);
+        Class { field, by, level, motion, costs, stretches }
     };
     Motion::ALL.into_iter().map(class).collect()
 }
 
 /// The classes of all levels at which several tracers are, which charts show.
-pub fn contested<'a>(fronts: &SceneFronts<'a>, field: &Field<'a>, by: By) -> Vec<Class<'a>> {
-    let of_level = |level: f64| classes(fronts, field, by, level);
+pub fn contested<'a>(field: &'a Field<'a>, by: By) -> Vec<Class<'a>> {
     let several = |class: &Class<'a>| class.tracers().len() > 1;
-    LEVELS.into_iter().flat_map(of_level).filter(several).collect()
+    LEVELS.into_iter().flat_map(|level| classes(field, by, level)).filter(several).collect()
 }
 
 /// What a point takes for a frame; `None` where its traces were not timed with several numbers of rays.
-fn class_cost<'a>(
-    fronts: &SceneFronts<'a>,
-    field: &Field<'a>,
-    entry: &Entry<'a>,
-    motion: Motion,
-) -> Option<ClassCost<'a>> {
+fn class_cost<'a>(field: &Field<'a>, entry: &Entry<'a>, motion: Motion) -> Option<ClassCost<'a>> {
+    let Field { record, scene, .. } = *field;
     let mut traces: Vec<(&'a Row, &'a TraceRecord)> = vec![(entry.row, entry.trace)];
-    for ray_image in &fronts.scene.ray_images {
-        let mut viewpoint = fronts.scene.viewpoint.clone();
+    for ray_image in &scene.ray_images {
+        let mut viewpoint = scene.viewpoint.clone();
         viewpoint.ray_image = *ray_image;
-        let here =
-            |row: &&Row| row.update_mode.is_none() && entry.point.is_of(row) && is_at(row, fronts.scene, &viewpoint);
-        let row = fronts.record.rows.iter().find(here);
+        let here = |row: &&Row| row.update_mode.is_none() && entry.point.is_of(row) && is_at(row, scene, &viewpoint);
+        let row = record.rows.iter().find(here);
         let found = row.and_then(|row| Some((row, row.traces.iter().find(|trace| trace.rays == field.rays)?)));
         traces.extend(found);
     }
     let sample = |(_, trace): &(&Row, &TraceRecord)| Some((trace.count as f64, on_host(&trace.times)?));
     let fit = Fit::new(traces.iter().map(sample).collect::<Option<_>>()?)?;
-    let refitted = (motion == Motion::Refitted).then(|| refit(fronts.record, fronts.scene, entry)).flatten();
+    let refitted = (motion == Motion::Refitted).then(|| refit(record, scene, entry)).flatten();
     let structure = refitted.unwrap_or(entry.row);
     let once = match motion {
         Motion::Static => Amount::exact(0.0),
         Motion::Refitted | Motion::Rebuilt => on_host(structure.build.steady())?,
     };
-    let mut caveat = doubt_of(fronts.record, &traces);
+    let mut caveat = doubt_of(record, &traces);
     if motion != Motion::Static {
-        caveat = caveat.or_else(|| doubt_of_times(fronts.record, structure.build.steady()));
+        caveat = caveat.or_else(|| doubt_of_times(record, structure.build.steady()));
     }
-    let cost = FrameCost { once, traces: fit };
-    Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some(), caveat })
+    let cost = FrameCost { once, traces: fit, caveat };
+    Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some() })
 }
 
 /// What speaks against traces that were timed in different interleaved sets: the clock of any, or a machine that was faster in one.

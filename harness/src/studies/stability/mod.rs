@@ -132,7 +132,7 @@ fn measure_case(
     for (turn, &difficulty_level) in case.difficulty_parameter.values.iter().enumerate() {
         let gpu = context.device.as_ref().ok();
         let hook = |session: &Session, rays: &PreparedRays, _: &[Option<Observations>]| {
-            measure::told(&describe(case, difficulty_level, &session.truth, &rays.answers)?)
+            measure::told(&describe(case, difficulty_level, &session.truth, &rays.answers))
         };
         let place = Workload {
             index: index + turn,
@@ -196,18 +196,13 @@ pub fn prepare(case: &Case, setup: &Setup, gpu: Option<&Arc<Gpu>>) -> Result<Ses
 }
 
 /// What the truth says of a case at one difficulty level.
-fn describe(
-    case: &Case,
-    difficulty_level: f64,
-    truth: &Truth,
-    answers: &[Answer],
-) -> Result<DifficultyLevel, RunError> {
+fn describe(case: &Case, difficulty_level: f64, truth: &Truth, answers: &[Answer]) -> DifficultyLevel {
     let setup = case.setup(difficulty_level);
     let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(answers);
     let probe = Probe { setup: &setup, truth, answers };
     let featured = (0..setup.rays.len()).filter(|index| case.shows(&probe, *index)).count();
     let count = setup.rays.len() as u64;
-    Ok(DifficultyLevel {
+    DifficultyLevel {
         difficulty_level,
         triangles: setup.geometry.triangles.len() as u64,
         query: setup.query,
@@ -217,5 +212,5 @@ fn describe(
         true_misses,
         ambiguous_rays: count - true_hits - true_misses,
         featured: featured as f64 / count.max(1) as f64,
-    })
+    }
 }

@@ -1,4 +1,5 @@
-//! One tracer over values of its parameters and over resolutions: what each costs, and what it gets wrong.
+//! One tracer over values of its parameters and over resolutions: what each costs, and what it gets wrong. Or, untimed and from another
+//! viewpoint, too: what a value that someone has to choose gets wrong.
 
 mod axis;
 #[cfg(test)]
@@ -11,9 +12,10 @@ use tracebench_api::ParameterError;
 
 pub use axis::{MAX_VALUES, Multiple, RESOLUTION, parameter_axis, place, resolution_axis, with_values};
 
-use crate::measure::{self, Context, MeasureOptions, Measured, RunError, records};
-use crate::plan::{Plan, Resolution, TracerRequest};
-use crate::results::{AxisRecord, PointRecord, Record, Skipped, SweepRecord};
+use crate::judge::Rule;
+use crate::measure::{self, Context, MeasureOptions, RunError, records};
+use crate::plan::{Plan, Resolution, TracerRequest, ViewRequest};
+use crate::results::{AxisRecord, PointRecord, Record, Skipped, SweepRecord, TunedScene, TuningRecord, place_name};
 
 /// The most points of a sweep: a page has room for no more.
 pub const MAX_POINTS: usize = 128;
@@ -49,8 +51,10 @@ pub enum SweepError {
 pub struct Sweep {
     plan: Plan,
     /// A configuration for every point, in their order.
-    pub(super) requests: Vec<TracerRequest>,
+    requests: Vec<TracerRequest>,
     record: SweepRecord,
+    /// Of one by which a value is chosen.
+    tuning: Option<TuningRecord>,
 }
 
 impl Sweep {
@@ -82,7 +86,15 @@ impl Sweep {
         }
         check_count(points.len())?;
         let tracer = plan.tracers.first().map_or_else(String::new, |request| request.name().to_owned());
-        Ok(Self { plan: plan.clone(), requests, record: SweepRecord { tracer, grid, axes, points } })
+        let record = SweepRecord { tracer, grid, axes, points };
+        Ok(Self { plan: plan.clone(), requests, record, tuning: None })
+    }
+
+    /// The same for a value to be chosen by a rule: every scene is seen from another viewpoint, too, and nothing is timed.
+    #[must_use]
+    pub fn choosing(self, rule: Rule) -> Self {
+        let tracer = self.plan.tracers.first().map(records::request_record);
+        Self { tuning: tracer.map(|tracer| TuningRecord { tracer, rule, scenes: Vec::new() }), ..self }
     }
 
     /// The number of points.
@@ -97,26 +109,42 @@ impl Sweep {
     pub fn execute(mut self, context: &Context<'_>) -> Result<Record, RunError> {
         context.check_rays(&self.plan)?;
         let mut record = measure::begin(std::slice::from_ref(&self.plan), context);
-        for (index, scene) in measure::load(&self.plan, context.progress)?.into_iter().enumerate() {
-            if context.takes(index) {
-                let (plan, options) = (&self.plan, MeasureOptions::timed(&self.plan));
-                let found = measure::measure_scene(index, plan, scene, &self.requests, options, None, context)?;
-                let name = found.scene.name.clone();
-                self.add(&mut record, found, &name);
+        let own = self.plan.view.clone();
+        let (options, views) = match &self.tuning {
+            None => (MeasureOptions::timed(&self.plan), vec![own]),
+            Some(_) => (MeasureOptions::untimed(), vec![own.clone(), ViewRequest::Other(Box::new(own))]),
+        };
+        let scenes = measure::load(&self.plan, context.progress)?.into_iter().enumerate();
+        for (place, scene) in scenes.filter(|(place, _)| context.takes(*place)) {
+            for ((view, request), scene) in views.iter().enumerate().zip(std::iter::repeat_n(scene, views.len())) {
+                let (index, name) = (views.len() * place + view, scene.name.clone());
+                let plan = Plan { view: request.clone(), ..self.plan.clone() };
+                let found = match measure::measure_scene(index, &plan, scene, &self.requests, options, None, context) {
+                    Err(error @ RunError::NoOtherView(..)) => {
+                        let reason = error.to_string();
+                        record.skipped.push(Skipped { tracer: None, scene: name, rays: None, reason });
+                        break;
+                    }
+                    found => found?,
+                };
+                let (scene, viewpoint, before) = (found.scene.clone(), found.viewpoint.clone(), record.rows.len());
+                let place = place_name(&scene, &viewpoint, view);
+                for (point, refusal) in measure::add(&mut record, found) {
+                    self.record.points[point].skipped.insert(place.clone(), refusal.reason);
+                }
+                // Another viewpoint stands beside the own one or nowhere.
+                if record.rows.len() == before {
+                    break;
+                }
+                if let Some(tuning) = &mut self.tuning {
+                    match tuning.scenes.last_mut().filter(|_| view > 0) {
+                        Some(last) => last.viewpoints.push(viewpoint),
+                        None => tuning.scenes.push(TunedScene { scene, viewpoints: vec![viewpoint] }),
+                    }
+                }
             }
         }
-        self.finish(record, context)
-    }
-
-    /// Adds what was measured of every point in one place, which names it where a point is skipped.
-    pub(super) fn add(&mut self, record: &mut Record, found: Measured, place: &str) {
-        for (point, refusal) in measure::add(record, found) {
-            self.record.points[point].skipped.insert(place.to_owned(), refusal.reason);
-        }
-    }
-
-    /// The record of what was measured, which says of each point that is left out so once, by its values.
-    pub(super) fn finish(self, mut record: Record, context: &Context<'_>) -> Result<Record, RunError> {
+        // Of each point that is left out it is said once, by its values.
         for point in &self.record.points {
             let label = point.label(&self.record.axes);
             for (scene, reason) in &point.skipped {
@@ -128,7 +156,7 @@ impl Sweep {
         if record.rows.is_empty() && context.shard.is_none() {
             return Err(measure::nothing(&record));
         }
-        record.sweep = Some(self.record);
+        (record.sweep, record.tuning) = (Some(self.record), self.tuning);
         Ok(record)
     }
 }

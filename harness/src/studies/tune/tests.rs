@@ -4,15 +4,15 @@ use tracebench_api::{ClockKind, Query};
 
 use super::*;
 use crate::report::fixture::{self, Quality};
-use crate::results::{Judgement, PerRule};
+use crate::results::PerRule;
 
 const VALUES: [&str; 4] = ["0", "0.1", "0.2", "0.3"];
+const QUALITY: Quality = Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
 
 /// Answers with given agreements by footprint; by the other rules it is the other way round. Of any-hit sets the balanced
 /// accuracy.
-fn judged(query: Query, share: Option<f64>) -> Judged {
-    let quality = Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
-    let mut judged = fixture::run(&[("t", quality)], &[("rays", query)]).rows.remove(0).traces.remove(0);
+fn judged(query: Query, share: Option<f64>) -> TraceRecord {
+    let mut judged = fixture::run(&[("t", QUALITY)], &[("rays", query)]).rows.remove(0).traces.remove(0);
     let turned = share.map(|share| 1.0 - share);
     match &mut judged.judgement {
         Judgement::Closest(closest) => {
@@ -23,37 +23,50 @@ fn judged(query: Query, share: Option<f64>) -> Judged {
     judged
 }
 
-/// A set with a score a value: `None` for one that could not be measured, `Some(None)` for nothing but ambiguous rays.
-fn set(rays: &str, query: Query, scores: [Option<Option<f64>>; 4]) -> SetTuned {
-    let value = |(value, score): (&str, Option<Option<f64>>)| ValueTuned {
-        value: value.to_owned(),
-        judged: score.map(|share| judged(query, share)),
-        skipped: score.is_none().then(|| "too large".to_owned()),
+/// A set in its scene, from a viewpoint of it, of which the first is its own.
+struct Set {
+    scene: SceneRecord,
+    viewpoint: ViewpointRecord,
+    is_own: bool,
+    rays: TraceRecord,
+    traces: Vec<Option<TraceRecord>>,
+}
+
+/// One with a score a value: `None` for one that could not be measured, `Some(None)` for nothing but ambiguous rays.
+fn set((scene, view): (&str, usize), rays: &str, query: Query, scores: [Option<Option<f64>>; 4]) -> Set {
+    let row = fixture::run(&[("t", QUALITY)], &[]).rows.remove(0);
+    let trace = |share| TraceRecord { rays: rays.to_owned(), ..judged(query, share) };
+    Set {
+        scene: SceneRecord { name: scene.to_owned(), ..row.scene },
+        viewpoint: ViewpointRecord { name: view.to_string(), ..row.viewpoint },
+        is_own: view == 0,
+        rays: trace(None),
+        traces: scores.map(|score| score.map(&trace)).into(),
+    }
+}
+
+fn plain(place: (&str, usize), scores: [f64; 4]) -> Set {
+    set(place, "diffuse", Query::Closest, scores.map(|score| Some(Some(score))))
+}
+
+/// The sets with their choices.
+fn tuned<'a>(sets: &'a [Set], values: &[&'a str; 4], default: &'a str, rule: Rule) -> Vec<SetTuned<'a>> {
+    let tuned = |Set { scene, viewpoint, is_own, rays, traces }: &'a Set| SetTuned {
+        scene,
+        viewpoint,
+        is_own: *is_own,
+        rays,
+        rule,
+        values: values.iter().copied().zip(traces.iter().map(Option::as_ref)).collect(),
+        chosen: [None; Label::ALL.len()],
     };
-    let values = VALUES.into_iter().zip(scores).map(value).collect();
-    SetTuned { rays: rays.to_owned(), rays_sha256: String::new(), query, count: 100, values, choices: Vec::new() }
+    let mut tuned: Vec<SetTuned<'_>> = sets.iter().map(tuned).collect();
+    choose(&mut tuned, default);
+    tuned
 }
 
-fn plain(scores: [f64; 4]) -> SetTuned {
-    set("diffuse", Query::Closest, scores.map(|score| Some(Some(score))))
-}
-
-/// A scene with a viewpoint for every list of sets.
-fn scene(views: Vec<Vec<SetTuned>>) -> SceneTuned {
-    let quality = Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
-    let row = fixture::run(&[("t", quality)], &[]).rows.remove(0);
-    let view = |sets| ViewTuned { viewpoint: row.viewpoint.clone(), sets, controls: Vec::new() };
-    SceneTuned { scene: row.scene.clone(), views: views.into_iter().map(view).collect() }
-}
-
-fn value_of(set: &SetTuned, label: Label) -> Option<&str> {
-    set.choice(label).unwrap().value.as_deref()
-}
-
-fn tuned_here(set: SetTuned, rule: Rule) -> Option<String> {
-    let mut scenes = [scene(vec![vec![set]])];
-    choose(&mut scenes, "0.1", rule);
-    value_of(&scenes[0].views[0].sets[0], Label::TunedHere).map(str::to_owned)
+fn tuned_here(set: Set, values: [&str; 4], rule: Rule) -> Option<String> {
+    tuned(&[set], &values, "0.1", rule)[0].chosen(Label::TunedHere).map(str::to_owned)
 }
 
 /// Proves that the best value is the one with the greatest score by the rule that is asked for, the smaller of equal ones, and
@@ -71,62 +84,57 @@ fn the_best_value() {
         ([None; 4], None),
     ] {
         for query in [Query::Closest, Query::Any] {
-            let found = tuned_here(set("rays", query, scores), Rule::Footprint);
+            let found = tuned_here(set(("room", 0), "rays", query, scores), VALUES, Rule::Footprint);
             assert_eq!(found.as_deref(), expected, "{scores:?}");
         }
     }
     // Of equal ones that nearest to 0, on whichever side.
-    let two_sided = |scores: [f64; 4]| {
-        let mut set = plain(scores);
-        for (value, name) in set.values.iter_mut().zip(["-0.3", "-0.1", "0.2", "0.4"]) {
-            name.clone_into(&mut value.value);
-        }
-        tuned_here(set, Rule::Footprint)
-    };
+    let two_sided =
+        |scores: [f64; 4]| tuned_here(plain(("room", 0), scores), ["-0.3", "-0.1", "0.2", "0.4"], Rule::Footprint);
     assert_eq!(two_sided([0.9; 4]).as_deref(), Some("-0.1"));
     assert_eq!(two_sided([0.9, 0.1, 0.9, 0.9]).as_deref(), Some("0.2"));
     assert_eq!(two_sided([0.9, 0.1, 0.8, 0.8]).as_deref(), Some("-0.3"));
     // By the other rules the shares are turned round; any-hit sets know one rule.
     let scores = [some(0.1), some(0.7), some(0.9), some(0.8)];
     for rule in [Rule::HitMiss, Rule::Tight] {
-        assert_eq!(tuned_here(set("rays", Query::Closest, scores), rule).as_deref(), Some("0"));
-        assert_eq!(tuned_here(set("rays", Query::Any, scores), rule).as_deref(), Some("0.2"));
+        let here = |query| tuned_here(set(("room", 0), "rays", query, scores), VALUES, rule);
+        assert_eq!([Query::Closest, Query::Any].map(here), [Some("0".to_owned()), Some("0.2".to_owned())]);
     }
 }
 
 /// Proves which rays have a say in which label, and what is lost, on two scenes whose bests all differ: worked out by hand.
 #[test]
 fn labels_and_losses() {
-    let own = plain([0.1, 0.2, 0.4, 0.3]);
-    let other = plain([0.5, 0.6, 0.7, 0.9]);
-    let else_where = [plain([0.8, 0.1, 0.1, 0.2]), plain([0.1, 0.9, 0.1, 0.1])];
-    let [theirs, unasked] = else_where;
     // Another set of rays has no say.
-    let ao = set("ao", Query::Any, [0.9, 0.1, 0.1, 0.1].map(|share| Some(Some(share))));
-    let mut scenes = [scene(vec![vec![ao, own], vec![other]]), scene(vec![vec![theirs], vec![unasked]])];
-    choose(&mut scenes, "0.1", Rule::Footprint);
-    let labels = |set: &SetTuned| Label::ALL.map(|label| value_of(set, label).map(str::to_owned));
+    let ao = set(("room", 0), "ao", Query::Any, [0.9, 0.1, 0.1, 0.1].map(|share| Some(Some(share))));
+    let sets = [
+        ao,
+        plain(("room", 0), [0.1, 0.2, 0.4, 0.3]),
+        plain(("room", 1), [0.5, 0.6, 0.7, 0.9]),
+        plain(("hall", 0), [0.8, 0.1, 0.1, 0.2]),
+        plain(("hall", 1), [0.1, 0.9, 0.1, 0.1]),
+    ];
+    let sets = tuned(&sets, &VALUES, "0.1", Rule::Footprint);
+    let values = |set: &SetTuned<'_>| Label::ALL.map(|label| set.chosen(label).map(str::to_owned));
     let some = |values: [&str; 4]| values.map(|value| Some(value.to_owned()));
-    let [first, second] = &scenes;
     // Default, here, elsewhere, on the other scenes' own viewpoints.
-    assert_eq!(labels(&first.views[0].sets[1]), some(["0.1", "0.2", "0.3", "0"]));
-    assert_eq!(labels(&first.views[1].sets[0]), some(["0.1", "0.3", "0.2", "0"]));
-    assert_eq!(labels(&second.views[0].sets[0]), some(["0.1", "0", "0.1", "0.2"]));
+    assert_eq!(values(&sets[1]), some(["0.1", "0.2", "0.3", "0"]));
+    assert_eq!(values(&sets[2]), some(["0.1", "0.3", "0.2", "0"]));
+    assert_eq!(values(&sets[3]), some(["0.1", "0", "0.1", "0.2"]));
     // `ao` is there once: from nowhere else, in no other scene.
-    assert_eq!(labels(&first.views[0].sets[0]), [Some("0.1".into()), Some("0".into()), None, None]);
-    let set = &first.views[0].sets[1];
-    let lost = |of, to| set.choice(of).unwrap().lost_to.get(&to).copied();
+    assert_eq!(values(&sets[0]), [Some("0.1".into()), Some("0".into()), None, None]);
+    let lost = |of, to| sets[1].lost(sets[1].chosen(of)?, to);
     let near = |found: Option<f64>, expected: f64| found.is_some_and(|found| (found - expected).abs() < 1e-12);
     assert!(near(lost(Label::Default, Label::TunedHere), 0.2));
     assert!(near(lost(Label::TunedElsewhere, Label::TunedHere), 0.1));
     assert!(near(lost(Label::TunedHere, Label::TunedElsewhere), -0.1));
     assert!(near(lost(Label::TunedOnOtherScenes, Label::Default), 0.1));
-    assert_eq!(lost(Label::Default, Label::Default), None);
-    for view in scenes.iter().flat_map(|scene| &scene.views) {
-        for choice in view.sets.iter().flat_map(|set| &set.choices) {
-            // Nothing is better than what was tuned here, and nobody gains what the other does not lose.
-            assert!(choice.lost_to.get(&Label::TunedHere).is_none_or(|lost| *lost >= 0.0), "{choice:?}");
-        }
+    assert_eq!(lost(Label::Default, Label::Default), Some(0.0));
+    assert!(sets[1].labels("0.2").eq([Label::TunedHere]) && sets[1].labels("0.4").next().is_none());
+    // Nothing is better than what was tuned here.
+    for set in &sets {
+        let lost = |value: &str| set.lost(value, Label::TunedHere);
+        assert!(VALUES.into_iter().filter_map(lost).all(|lost| lost >= 0.0), "{set:?}");
     }
 }
 
@@ -135,27 +143,25 @@ fn labels_and_losses() {
 #[test]
 fn other_scenes_must_agree_on_something() {
     let some = |share: f64| Some(Some(share));
-    let with = |scores| scene(vec![vec![set("diffuse", Query::Closest, scores)]]);
+    let with = |scene, scores| set((scene, 0), "diffuse", Query::Closest, scores);
     // The second lacks the first's best; the mean of the rest is greatest at 0.2, not where either is greatest.
-    let mut scenes = [
-        with([some(0.1), some(0.1), None, some(0.2)]),
-        with([some(0.9), some(0.1), some(0.5), some(0.6)]),
-        with([None, some(0.7), some(0.5), some(0.2)]),
-        with([Some(None); 4]),
+    let sets = [
+        with("room", [some(0.1), some(0.1), None, some(0.2)]),
+        with("hall", [some(0.9), some(0.1), some(0.5), some(0.6)]),
+        with("lawn", [None, some(0.7), some(0.5), some(0.2)]),
+        with("void", [Some(None); 4]),
     ];
-    choose(&mut scenes, "0.3", Rule::Footprint);
-    let set = &scenes[0].views[0].sets[0];
-    let choice = set.choice(Label::TunedOnOtherScenes).unwrap();
-    assert_eq!((choice.value.as_deref(), choice.score, choice.lost_to.len()), (Some("0.2"), None, 0));
-    assert!(set.choice(Label::Default).unwrap().lost_to.keys().eq([&Label::TunedHere]), "{set:?}");
+    let tuned_sets = tuned(&sets, &VALUES, "0.3", Rule::Footprint);
+    let [first, .., nothing] = &tuned_sets[..] else { panic!("{tuned_sets:?}") };
+    let value = first.chosen(Label::TunedOnOtherScenes).unwrap();
+    let lost = Label::ALL.map(|label| first.lost(value, label));
+    assert_eq!((value, first.score(value), lost), ("0.2", None, [None; 4]));
+    // The default is measured here, and to what is not nothing is lost.
+    let lost = Label::ALL.map(|label| first.lost("0.3", label).is_some());
+    assert_eq!(lost, [true, true, false, false]);
     // Of the all but judged scene neither default nor any other has a score, and there is something to choose all the same.
-    let nothing = &scenes[3].views[0].sets[0];
-    assert_eq!(
-        (value_of(nothing, Label::TunedHere), value_of(nothing, Label::TunedOnOtherScenes)),
-        (None, Some("0.3"))
-    );
-    let mut alone = [with([some(0.1); 4])];
-    choose(&mut alone, "0.3", Rule::Footprint);
-    assert_eq!(value_of(&alone[0].views[0].sets[0], Label::TunedOnOtherScenes), None);
-    assert_eq!(value_of(&alone[0].views[0].sets[0], Label::TunedElsewhere), None);
+    assert_eq!((nothing.chosen(Label::TunedHere), nothing.chosen(Label::TunedOnOtherScenes)), (None, Some("0.3")));
+    let alone = tuned(&sets[..1], &VALUES, "0.3", Rule::Footprint);
+    assert_eq!(alone[0].chosen(Label::TunedOnOtherScenes), None);
+    assert_eq!(alone[0].chosen(Label::TunedElsewhere), None);
 }

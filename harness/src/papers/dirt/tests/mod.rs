@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 use tracebench_api::{ClockKind, MemoryEntry, Query};
 
-use super::PAPER;
+use crate::papers::DIRT as PAPER;
 use crate::papers::Scope;
 use crate::papers::fixture::{
     self, all_rounds, close, config, frames_of, in_a_million, run_of, set_build, set_bytes, set_classes, set_time,
@@ -363,7 +363,7 @@ fn dirt_stands_beside_the_abuffer() {
         trace.per_trace = vec![MemoryEntry::whole("shading buffer", 50), MemoryEntry::whole("rays", 9000)];
     }
     close(value("memory_below_abuffer", &record), 15.0);
-    let bytes = |row: usize| Scope::ALL.map(|(scope, _)| PAPER.bytes(&record.rows[row], scope));
+    let bytes = |row: usize| Scope::ALL.map(|scope| PAPER.bytes(&record.rows[row], scope));
     assert_eq!(bytes(0), [Some(725.0), Some(775.0), Some(850.0)]);
     assert_eq!(bytes(2), [Some(1000.0); 3]);
     assert_eq!(PAPER.bytes(&scene("a", [850, 1000], 1.0)[0], Scope::WithTrace), None);

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 use tracebench_api::Query;
 
-use super::PAPER;
+use crate::papers::HHZ14 as PAPER;
 use crate::papers::fixture::{
     self, close, config, count, in_a_million, run_of, set_build, set_bytes, set_classes, set_time, trace_of,
 };

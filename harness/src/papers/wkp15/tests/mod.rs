@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 use tracebench_api::Query;
 
-use super::PAPER;
+use crate::papers::WKP15 as PAPER;
 use crate::papers::fixture::{
     self, COUNT, close, config, count, frames_of, in_a_million, page_of, run_of, set_classes, set_time, trace_of,
 };

@@ -3,7 +3,7 @@
 use super::{ARROW, NAME_SIZE, ON_FRONT, Placed, Places, Point};
 use crate::report::chart::canvas::text_width;
 use crate::report::chart::frame::Rect;
-use crate::report::chart::panel::{Along, Panel};
+use crate::report::chart::panel::Panel;
 use crate::studies::pareto::FrontStatus;
 
 /// Height of a line of names.
@@ -39,13 +39,8 @@ fn meet(one: &[f64; 4], other: &[f64; 4]) -> bool {
 
 /// The names of points on the front, of neighbours of the same name one, and of every other tracer's best; each where it meets no
 /// other.
-pub(super) fn names<'a>(
-    panel: &Panel,
-    y: &Along<'_>,
-    rect: Rect,
-    front: &Places,
-    points: &[Placed<'a>],
-) -> Vec<Name<'a>> {
+pub(super) fn names<'a>(panel: &Panel, rect: Rect, front: &Places, points: &[Placed<'a>]) -> Vec<Name<'a>> {
+    let [_, y] = panel.axes(rect);
     // Names keep off the line of the front and those of controls.
     let front = front.windows(2).map(|ends| box_round(ends[0], ends[1]));
     let heights = panel.controls.iter().flat_map(|(_, places)| places).map(|(_, share)| y.at(*share));

@@ -7,9 +7,10 @@ use super::super::tests::check_charts;
 use super::*;
 use crate::report::fixture::{self, Quality};
 use crate::report::group::groups;
-use crate::report::sweep::tests::{Swept, sweep_run};
+use crate::report::sweep::tests::{Swept, sweep_run, tuned_run};
 use crate::report::sweep::views;
-use crate::results::Judgement;
+use crate::results::{Judgement, place_name};
+use crate::studies::tune::Tuning;
 
 /// Draws every chart of a sweep, looks at each, and gives their names and SVGs.
 fn check(record: &Record) -> Vec<(String, String)> {
@@ -40,7 +41,7 @@ fn ordinary_sweeps() {
     assert!(!svg("sweep_room_clip_ao.svg").contains("skipped"));
     // The tracer's own value is the one that is shaded, and no line joins names.
     let groups = groups(&record);
-    for view in views(record.sweep.as_ref().unwrap(), &groups) {
+    for view in views(record.sweep.as_ref().unwrap(), &groups, None) {
         for panel in chart(&record, &view).panels {
             let Scale::Steps(names, Some(own)) = &panel.x.scale else { panic!("{panel:?}") };
             assert_eq!(names[*own], view.axis.own);
@@ -128,4 +129,83 @@ fn no_errors_and_nothing_but_errors() {
         record.rows.iter_mut().for_each(|one| one.traces.clone_from(&other.traces));
         check(&record);
     }
+}
+
+const THICKNESSES: [&str; 5] = ["0", "0.001", "0.01", "0.02", "0.1"];
+
+/// What an SVG says, on however many lines.
+fn words(svg: &str) -> String {
+    svg.split(['<', '>']).step_by(2).flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
+}
+
+/// A chart a viewpoint and ray set, without times; what would be chosen stands below, and is where the dashes are.
+#[test]
+fn chosen_values() {
+    let record = tuned_run(&THICKNESSES, &["room", "hall"], 2, &SETS);
+    let drawn = check(&record);
+    assert_eq!(drawn.len(), 2 * 2 * 2);
+    let told = words(&drawn[0].1);
+    for wanted in [
+        "dirt over thickness: room",
+        "viewpoint door",
+        "footprint",
+        "oracle",
+        "Example Processor",
+        "Upright dashes: default 0.001, tuned here 0.01, tuned elsewhere 0.02, tuned on the other scenes 0.02.",
+    ] {
+        assert!(told.contains(wanted), "{wanted}: {told}");
+    }
+    assert!(!told.contains("Mrays/s") && !told.contains("VOID"));
+    let (groups, tuning) = (groups(&record), Tuning::of(&record));
+    for view in views(record.sweep.as_ref().unwrap(), &groups, tuning.as_ref()) {
+        let places = chosen(&view).into_iter().map(|(_, value)| THICKNESSES.iter().position(|each| *each == value));
+        let places: Vec<f64> = places.map(|place| place.unwrap() as f64).collect();
+        assert_eq!(places.len(), 4);
+        for panel in chart(&record, &view).panels {
+            let rule = |mark: &Mark| if let Mark::Rule(place) = mark { Some(*place) } else { None };
+            assert_eq!(panel.marks.iter().filter_map(rule).collect::<Vec<_>>(), places);
+        }
+    }
+    let mut invalid = record.clone();
+    invalid.controls.remove(0);
+    assert!(check(&invalid)[0].1.contains("VOID"));
+    let alone = check(&tuned_run(&THICKNESSES, &["room"], 1, &SETS[..1]));
+    assert!(alone.len() == 1 && !alone[0].1.contains("tuned elsewhere"));
+}
+
+/// What was skipped is said, names and long names find room, settings are told, and a set that only one viewpoint has is drawn.
+#[test]
+fn odd_choices() {
+    let mut record = tuned_run(&THICKNESSES, &["room"], 2, &SETS);
+    let gone = |row: &Row| row.tracer.parameters["thickness"] == "0.02";
+    let points = &mut record.sweep.as_mut().unwrap().points;
+    let point = points.iter_mut().find(|point| point.values["thickness"] == "0.02").unwrap();
+    for (view, row) in record.rows.iter().filter(|row| gone(row)).enumerate() {
+        point.skipped.insert(place_name(&row.scene, &row.viewpoint, view), "too large".to_owned());
+    }
+    record.rows.retain(|row| !gone(row));
+    // In both panels; and in the table of every viewpoint and ray set.
+    assert!(check(&record).iter().all(|(_, svg)| svg.matches("skipped").count() == 2));
+    let page = sweep::untimed(&record).unwrap().pages[0].1.markdown();
+    assert_eq!(page.matches("| 0.02 | skipped, see below |").count(), 4, "{page}");
+    record.rows.clear();
+    assert!(check(&record).iter().all(|(_, svg)| svg.matches("nothing was measured").count() == 2));
+    let long = "a most particular and very long value of it ".repeat(4);
+    let longer = long.clone() + "again";
+    let scene = "scene & <name> of some length ".repeat(9);
+    let mut named = tuned_run(&[&long, &longer, "b"], &[&scene], 2, &SETS);
+    let tuned = named.tuning.iter_mut().flat_map(|tuning| &mut tuning.scenes[0].viewpoints);
+    let rows = named.rows.iter_mut().chain(&mut named.controls).map(|row| &mut row.viewpoint);
+    for viewpoint in tuned.chain(rows).filter(|viewpoint| viewpoint.name == "door") {
+        viewpoint.name = "a viewpoint with a very long name ".repeat(5);
+    }
+    let drawn = check(&named);
+    // Other settings are told below.
+    assert!(drawn.len() == 4 && drawn.iter().all(|(_, svg)| words(svg).contains("stride=1")));
+    // A set that only one viewpoint has.
+    let mut half = tuned_run(&THICKNESSES, &["room"], 2, &SETS);
+    for row in half.rows.iter_mut().chain(&mut half.controls).filter(|row| row.viewpoint.name == "window") {
+        row.traces.remove(0);
+    }
+    assert_eq!(check(&half).len(), 3);
 }
