@@ -61,8 +61,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Exact => exact::plans(&plan),
         Table::Settings(_) | Table::Claims(_) => vec![plan.clone()],
     };
-    let words = json!(request);
-    let record = bench.measure(&plans, words, |context| match (request, plans.as_slice()) {
+    let record = bench.measure(&plans, json!(request), |context| match (request, plans.as_slice()) {
         (Some(request), [plan]) => frames::execute(plan, request, context),
         _ => measure::execute_all(&plans, context),
     })?;

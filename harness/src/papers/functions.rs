@@ -7,7 +7,7 @@ use super::Scope;
 use super::estimate::Estimate;
 use super::evaluate::{Evaluation, Value};
 use super::page::measured::{speed_with_accuracy, time_of};
-use super::rows::{self, beyond, has, parameter, right, same_hits, statistic, trace};
+use super::rows::{self, has, parameter, right, same_hits, statistic, trace};
 use super::times::traced;
 use crate::report::format::{edges, thousands};
 use crate::report::metrics::closest;
@@ -193,9 +193,8 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
         number(Estimate::timed(found as f64 / rays as f64, wilson(found, rays)?, []))
     }),
     ("beyond", |_, of| {
-        let (kinds, sets) = (of.texts(2)?, of.texts(3));
-        let wanted = |trace: &TraceRecord| sets.as_ref().is_none_or(|sets| sets.contains(&trace.rays));
-        beyond(of.row(0)?, of.row(1)?, wanted, |trace| of_kinds(trace, &kinds)).map(Value::from)
+        let sets = of.texts(3);
+        beyond(of.row(0)?, of.row(1)?, &of.texts(2)?, sets.as_deref()).map(Value::from)
     }),
     ("same_hits", |_, of| same_hits(of.row(0)?, of.row(1)?).map(Value::from)),
     ("answered_as_first", |_, of| rows::answered_as_first(of.row(0)?).map(Value::from)),
@@ -332,6 +331,19 @@ fn of_kinds(trace: &TraceRecord, kinds: &[String]) -> Option<[u64; 2]> {
     };
     let found = kinds.iter().map(of_kind).sum::<Option<u64>>()?;
     Some([trace.count.saturating_sub(closest.left_out()), found])
+}
+
+/// Rays of kinds in a million over the closest-hit sets that two rows have, or some of them, in one beyond the other.
+fn beyond(one: &Row, other: &Row, kinds: &[String], sets: Option<&[String]>) -> Option<f64> {
+    let mut sums = [0_u64; 3];
+    for own in one.traces.iter().filter(|trace| sets.is_none_or(|sets| sets.contains(&trace.rays))) {
+        let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256);
+        let counted = of_kinds(own, kinds).zip(same.and_then(|same| of_kinds(same, kinds)));
+        let Some((here, there)) = counted else { continue };
+        sums = [sums[0] + here[0], sums[1] + here[1], sums[2] + there[1]];
+    }
+    let [rays, here, there] = sums.map(|sum| sum as f64);
+    (rays > 0.0).then(|| (here - there) / rays * 1e6)
 }
 
 /// Whether something has a name, with `*` at its end by how it begins.

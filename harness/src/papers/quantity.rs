@@ -11,14 +11,8 @@ use super::evaluate::{Evaluation, Value};
 use super::expression::Expression;
 use super::rows::{Rows, SceneRows};
 
-/// A quantity of one scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OfScene {
-    /// The scene.
-    pub scene: String,
-    /// Its value.
-    pub found: Estimate,
-}
+/// A quantity of one scene: the scene, and its value.
+pub type OfScene = (String, Estimate);
 
 /// Variables that hold what a function takes, and what it is.
 pub(super) type Function = (Vec<String>, Expression);
@@ -69,7 +63,7 @@ impl Quantity {
         let of = |label: &str, scene: &SceneRows<'_>| {
             let found = Evaluation::new(paper, &rows.scenes, scene).value(&self.is)?;
             let found = if let Value::Number(found) = found { found } else { return None };
-            found.value.is_finite().then(|| OfScene { scene: label.to_owned(), found })
+            found.value.is_finite().then(|| (label.to_owned(), found))
         };
         match rows.scenes.first() {
             Some(first) if self.of_all_scenes => of("all scenes", first).into_iter().collect(),

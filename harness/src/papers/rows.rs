@@ -191,20 +191,3 @@ pub(super) fn same_hits(one: &Row, other: &Row) -> Option<f64> {
     let same: Vec<bool> = pairs.collect();
     (!same.is_empty()).then(|| same.iter().filter(|same| **same).count() as f64 / same.len() as f64)
 }
-
-/// Rays in a million over the closest-hit sets wanted that two rows have, of what is counted in one beyond the other.
-pub(super) fn beyond(
-    one: &Row,
-    other: &Row,
-    wanted: impl Fn(&TraceRecord) -> bool,
-    count: impl Fn(&TraceRecord) -> Option<[u64; 2]>,
-) -> Option<f64> {
-    let mut sums = [0_u64; 3];
-    for own in one.traces.iter().filter(|trace| wanted(trace)) {
-        let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256);
-        let Some((here, there)) = count(own).zip(same.and_then(&count)) else { continue };
-        sums = [sums[0] + here[0], sums[1] + here[1], sums[2] + there[1]];
-    }
-    let [rays, here, there] = sums.map(|sum| sum as f64);
-    (rays > 0.0).then(|| (here - there) / rays * 1e6)
-}

@@ -45,8 +45,7 @@ pub struct SceneValue {
 }
 
 impl From<&OfScene> for SceneValue {
-    fn from(of: &OfScene) -> Self {
-        let OfScene { scene, found } = of;
+    fn from((scene, found): &OfScene) -> Self {
         let scene = found.note.as_ref().map_or_else(|| scene.clone(), |note| format!("{scene} ({note})"));
         Self { scene, value: found.value, interval: found.timed.then_some(found.interval) }
     }
@@ -192,21 +191,21 @@ fn agreed(rule: &Rule, readings: &[(&Quantity, Vec<OfScene>)]) -> (Verdict, Opti
 
 /// What a reading alone says.
 fn decided(rule: &Rule, found: &[OfScene]) -> (Verdict, Option<String>) {
-    let estimates: Vec<_> = found.iter().map(|each| each.found.clone()).collect();
+    let estimates: Vec<_> = found.iter().map(|(_, found)| found.clone()).collect();
     let verdict = rule.decide(&estimates);
     (verdict, (verdict == Verdict::Undecided).then(|| open(rule, found)))
 }
 
 /// Why nothing is said, by scene.
 fn open(rule: &Rule, found: &[OfScene]) -> String {
-    let why = |of: &OfScene| {
-        let doubts: Vec<&str> = of.found.doubts.iter().map(String::as_str).collect();
-        let why = match (doubts.is_empty(), of.found.at_launch_settings) {
+    let why = |(scene, found): &OfScene| {
+        let doubts: Vec<&str> = found.doubts.iter().map(String::as_str).collect();
+        let why = match (doubts.is_empty(), found.at_launch_settings) {
             (false, _) => doubts.join(", "),
             (true, false) => "the interval does not separate".to_owned(),
             (true, true) => "equal and best launch settings disagree, or their intervals do not separate".to_owned(),
         };
-        (rule.place(&of.found) == Verdict::Undecided).then(|| format!("{}: {why}", of.scene))
+        (rule.place(found) == Verdict::Undecided).then(|| format!("{scene}: {why}"))
     };
     let all: Vec<String> = found.iter().filter_map(why).collect();
     // Every scene's lies on one side, the median's between them does not.

@@ -201,12 +201,7 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// A name for people: `eye`, `bounce 1`, and after each `shadow 0`, `shadow 1`.
-    pub fn name(&self) -> String {
-        Self::name_of(self.number)
-    }
-
-    /// The name of the wave with a number.
+    /// What people call the wave with a number: `eye`, `bounce 1`, and after each `shadow 0`, `shadow 1`.
     pub fn name_of(number: usize) -> String {
         match (number, number / 2) {
             (0, _) => "eye".to_owned(),

@@ -331,7 +331,7 @@ fn the_first_rays_are_primary_rays() {
     let several = first(3);
     assert!(several.rays.chunks(3).zip(&primary).all(|(three, centre)| three[0] == *centre && three[1] != *centre));
     assert_eq!(
-        (several.name(), Wave::name_of(1), Wave::name_of(4)),
+        (Wave::name_of(several.number), Wave::name_of(1), Wave::name_of(4)),
         ("eye".into(), "shadow 0".into(), "bounce 2".into())
     );
 }

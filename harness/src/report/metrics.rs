@@ -21,13 +21,16 @@ pub(crate) enum Better {
 /// A tracer's run with one of its traces.
 pub(crate) type Traced<'a> = (&'a Row, &'a TraceRecord);
 
+/// How a figure is told of something.
+type Of<T> = fn(&T) -> Option<Cell>;
+
 /// Where a figure is found.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     /// With the structure, whatever it traces.
-    Structure(fn(&Row) -> Option<Cell>),
+    Structure(Of<Row>),
     /// With a trace.
-    Trace(fn(&TraceRecord) -> Option<Cell>),
+    Trace(Of<TraceRecord>),
 }
 
 /// A figure.
@@ -97,34 +100,24 @@ pub(crate) fn headed(name: &str, better: Better) -> String {
     format!("{name}{arrow}")
 }
 
-const fn metric(
-    name: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    better: Better,
-    cell: fn(&TraceRecord) -> Option<Cell>,
-) -> Metric {
-    Metric { name, label, unit, better, source: Source::Trace(cell) }
+/// One of traces: its name for programs, its label and its unit.
+const fn metric([name, label, unit]: [&'static str; 3], better: Better, of: Of<TraceRecord>) -> Metric {
+    Metric { name, label, unit, better, source: Source::Trace(of) }
 }
 
-const fn structure(
-    name: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    better: Better,
-    cell: fn(&Row) -> Option<Cell>,
-) -> Metric {
-    Metric { name, label, unit, better, source: Source::Structure(cell) }
+/// One of structures.
+const fn structure([name, label, unit]: [&'static str; 3], better: Better, of: Of<Row>) -> Metric {
+    Metric { name, label, unit, better, source: Source::Structure(of) }
 }
 
 /// One that only programs read.
-const fn plain(name: &'static str, cell: fn(&TraceRecord) -> Option<Cell>) -> Metric {
-    metric(name, "", "", Better::Neither, cell)
+const fn plain(name: &'static str, of: Of<TraceRecord>) -> Metric {
+    metric([name, "", ""], Better::Neither, of)
 }
 
 /// The same of structures.
-const fn structure_alone(name: &'static str, cell: fn(&Row) -> Option<Cell>) -> Metric {
-    structure(name, "", "", Better::Neither, cell)
+const fn structure_alone(name: &'static str, of: Of<Row>) -> Metric {
+    structure([name, "", ""], Better::Neither, of)
 }
 
 /// What tells how often answers to a query are right, always together.

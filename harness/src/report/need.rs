@@ -301,19 +301,19 @@ fn steps(curves: &[&Curve<'_>]) -> Table {
 fn elsewhere(curves: &[Curve<'_>]) -> Document {
     let place = |curve: &NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
     let sheet = Sheet::<Transfer<'_>>::new()
-        .column("tracer", |each| config(each.to))
-        .column("rays", |each| each.from.rays.to_owned())
-        .column("found in", |each| place(each.from.section))
-        .column("needs", |each| values_label(each.values))
-        .column("tried in", |each| place(each.to))
-        .column("rays lost there (%) ↓", |each| each.step.and_then(lost))
-        .column("serves", |each| match each.step.and_then(Step::outcome) {
+        .column("tracer", |([_, to], ..)| config(to.section))
+        .column("rays", |([from, _], ..)| from.rays.to_owned())
+        .column("found in", |([from, _], ..)| place(from.section))
+        .column("needs", |(_, values, _)| values_label(values))
+        .column("tried in", |([_, to], ..)| place(to.section))
+        .column("rays lost there (%) ↓", |(.., step)| step.and_then(lost))
+        .column("serves", |(.., step)| match step.and_then(Step::outcome) {
             Some(Outcome::Enough) => "yes",
             Some(_) => "**no**",
             None => "not measured",
         });
     let all = transfers(curves);
-    let outcomes = all.iter().filter_map(|each| each.step?.outcome()).collect_vec();
+    let outcomes = all.iter().filter_map(|(.., step)| step.as_ref()?.outcome()).collect_vec();
     let (tried, served) = (outcomes.len(), outcomes.iter().filter(|found| **found == Outcome::Enough).count());
     let page = Document::default().heading(2, "Needs that are tried elsewhere");
     if tried == 0 {

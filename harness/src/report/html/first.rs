@@ -29,7 +29,8 @@ pub(super) fn screen(places: &[Place<'_>], records: &Records<'_>, chart: &str, o
         }
     }
     let told = records.all.iter().filter(|read| places.is_empty() && verdict::controls(&read.record).is_empty());
-    let told: String = told.flat_map(|read| told::sentences(&read.record)).map(|told| item(&inline(&told))).collect();
+    let told = told.flat_map(|read| told::sentences(&read.record));
+    let told: String = told.map(|told| format!("<li>{}</li>\n", inline(&told))).collect();
     if !told.is_empty() {
         let _ = writeln!(html, "<ul>\n{told}</ul>");
     }
@@ -71,13 +72,9 @@ fn sentences(cases: &[&Place<'_>], machine: Option<usize>) -> String {
             count => Some(format!("{count} others")),
         };
         let named = won.into_iter().take(MAX_NAMED).chain(others).chain(nobody).join(", ");
-        html += &item(&format!("{} is {named}{}.", capitalised(aim.name()), unsure(cases)));
+        let _ = writeln!(html, "<li>{} is {named}{}.</li>", capitalised(aim.name()), unsure(cases));
     }
     html + "</ul>\n"
-}
-
-fn item(html: &str) -> String {
-    format!("<li>{html}</li>\n")
 }
 
 pub(super) fn capitalised(name: &str) -> String {

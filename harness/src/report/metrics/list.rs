@@ -22,33 +22,33 @@ macro_rules! figures {
 
 figures! {
     COUNT = plain("count_rays", |trace| Some(trace.count.into()));
-    AMBIGUOUS = metric("ambiguous_rays", "ambiguous", "rays", Neither, |trace| {
+    AMBIGUOUS = metric(["ambiguous_rays", "ambiguous", "rays"], Neither, |trace| {
         Some(trace.judgement.ambiguous().into())
     });
     /// Traces a second.
-    SPEED = metric("mrays_per_s", "speed", "Mrays/s", Higher, |trace| {
+    SPEED = metric(["mrays_per_s", "speed", "Mrays/s"], Higher, |trace| {
         Some(Cell::Measured(speed(trace)?, speed_interval(trace), 4))
     });
-    TRACE_TIME = metric("median_ms", "median time", "ms", Lower, |trace| timed(trace, (&trace.times).into()));
+    TRACE_TIME = metric(["median_ms", "median time", "ms"], Lower, |trace| timed(trace, (&trace.times).into()));
     INTERVAL_COVERAGE = plain("interval_coverage_share", |trace| timed(trace, trace.times.interval_coverage.into()));
     TRACE_HOST = plain("trace_host_ms", |trace| Some(host_ms(&trace.times).into()));
     SAMPLES = plain("samples", |trace| Some((trace.times.samples_ms.len() as u64).into()));
     PER_TRACE = plain("per_trace_bytes", |trace| Some(trace.per_trace_bytes.into()));
     /// Time of a trace as a program that is no tracer of this suite tells of itself.
-    SELF_REPORTED = metric("self_reported_trace_ms", "self-reported time", "ms", Neither, |trace| {
+    SELF_REPORTED = metric(["self_reported_trace_ms", "self-reported time", "ms"], Neither, |trace| {
         Some(trace.self_reported.as_ref()?.trace_ms?.into())
     });
     SELF_REPORTED_BUILD = plain("self_reported_build_ms", |trace| Some(trace.self_reported.as_ref()?.build_ms?.into()));
     /// Time of the phases of a build, which records of before rules version 3 have alone.
-    BUILD_TIME = structure("build_median_ms", "build time", "ms", Lower, |row| {
+    BUILD_TIME = structure(["build_median_ms", "build time", "ms"], Lower, |row| {
         Some(if row.build.steady.is_none() { (&row.build.times).into() } else { Cell::Absent })
     });
     /// Time of a first build, host clock.
-    FIRST_BUILD = structure("first_build_median_ms", "first build", "ms", Lower, |row| built(&row.build.first));
+    FIRST_BUILD = structure(["first_build_median_ms", "first build", "ms"], Lower, |row| built(&row.build.first));
     /// Time of a steady build, host clock.
-    STEADY_BUILD = structure("steady_build_median_ms", "steady build", "ms", Lower, |row| built(&row.build.steady));
+    STEADY_BUILD = structure(["steady_build_median_ms", "steady build", "ms"], Lower, |row| built(&row.build.steady));
     /// Millions of triangles a second of a first build.
-    BUILD_RATE = structure("build_mtriangles_per_s", "build rate", "Mtriangles/s", Higher, |row| {
+    BUILD_RATE = structure(["build_mtriangles_per_s", "build rate", "Mtriangles/s"], Higher, |row| {
         let times = row.build.first();
         let rate = |ms: f64| row.scene.triangles as f64 / (ms * 1e3);
         let [fast, slow] = times.interval_ms;
@@ -58,38 +58,38 @@ figures! {
     BUILD_HOST = structure_alone("build_host_ms", |row| Some(host_ms(row.build.first()).into()));
     SETUP = structure_alone("setup_ms", |row| Some(row.build.setup_ms.into()));
     /// Allocated bytes of the structure.
-    STRUCTURE = structure("structure_bytes", "structure", "MiB", Lower, |row| bytes(row.memory.structure_bytes));
-    USED = structure("structure_used_bytes", "used", "MiB", Lower, |row| bytes(used_bytes(row)));
+    STRUCTURE = structure(["structure_bytes", "structure", "MiB"], Lower, |row| bytes(row.memory.structure_bytes));
+    USED = structure(["structure_used_bytes", "used", "MiB"], Lower, |row| bytes(used_bytes(row)));
     BYTES_PER_TRIANGLE = structure_alone("bytes_per_triangle", |row| Some(per_triangle(row)[0].into()));
     USED_BYTES_PER_TRIANGLE = structure_alone("used_bytes_per_triangle", |row| Some(per_triangle(row)[1].into()));
-    GEOMETRY = structure("geometry_bytes", "geometry", "MiB", Lower, |row| bytes(row.memory.geometry_bytes));
-    BUILD_PEAK = structure("build_peak_bytes", "build peak", "MiB", Lower, |row| bytes(row.memory.build_peak_bytes));
-    HIT_MISS = metric("agreement_hit_miss_share", "agreement hit_miss", "", Higher, |trace| right(trace, Closest, 0));
+    GEOMETRY = structure(["geometry_bytes", "geometry", "MiB"], Lower, |row| bytes(row.memory.geometry_bytes));
+    BUILD_PEAK = structure(["build_peak_bytes", "build peak", "MiB"], Lower, |row| bytes(row.memory.build_peak_bytes));
+    HIT_MISS = metric(["agreement_hit_miss_share", "agreement hit_miss", ""], Higher, |trace| right(trace, Closest, 0));
     /// Right by the analytic rule.
-    TIGHT = metric("agreement_tight_share", "agreement tight", "", Higher, |trace| right(trace, Closest, 1));
+    TIGHT = metric(["agreement_tight_share", "agreement tight", ""], Higher, |trace| right(trace, Closest, 1));
     /// Right within a pixel.
-    FOOTPRINT = metric("agreement_footprint_share", "agreement footprint", "", Higher, |trace| {
+    FOOTPRINT = metric(["agreement_footprint_share", "agreement footprint", ""], Higher, |trace| {
         right(trace, Closest, 2)
     });
-    POSITION = metric("position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
+    POSITION = metric(["position_error_scene_units", "position error p50 / p95 / p99", "scene units"], Lower, |trace| {
         Some(closest(trace)?.position_error.into())
     });
     /// Told hits near the piece of mesh that is truly hit.
-    WITHIN_TEXEL = metric("within_common_texel_share", "within a common texel", "", Higher, |trace| {
+    WITHIN_TEXEL = metric(["within_common_texel_share", "within a common texel", ""], Higher, |trace| {
         let told = distance(trace)?;
         Some(Cell::Share(told.within_common_texel?, None, told.rays))
     });
     /// The same by the tracer's own texel.
-    WITHIN_OWN_TEXEL = metric("within_own_texel_share", "within a texel of its own", "", Higher, |trace| {
+    WITHIN_OWN_TEXEL = metric(["within_own_texel_share", "within a texel of its own", ""], Higher, |trace| {
         let told = distance(trace)?;
         Some(Cell::Share(told.within_own_texel?, None, told.rays))
     });
     /// How far told hits are from it.
     SURFACE_DISTANCE =
-        metric("surface_distance_scene_units", "distance p50 / p95 / p99", "scene units", Lower, |trace| {
+        metric(["surface_distance_scene_units", "distance p50 / p95 / p99", "scene units"], Lower, |trace| {
             Some(distance(trace)?.distance.into())
         });
-    IDENTITY = metric("identity_share", "identity", "", Higher, |trace| {
+    IDENTITY = metric(["identity_share", "identity", ""], Higher, |trace| {
         let judgement = closest(trace)?;
         Some(Cell::Share(judgement.identity?, None, judgement.classes.tight.true_hit))
     });
@@ -106,40 +106,38 @@ figures! {
     FOOTPRINT_FALSE_MISS = plain("footprint_false_miss_rays", |trace| in_class(trace, |of| of.footprint.false_miss));
     FOOTPRINT_EARLY = plain("footprint_early_rays", |trace| in_class(trace, |of| of.footprint.early));
     FOOTPRINT_LATE = plain("footprint_late_rays", |trace| in_class(trace, |of| of.footprint.late));
-    BALANCED = metric("balanced_accuracy_share", "balanced accuracy", "", Higher, |trace| right(trace, Any, 0));
-    TRUE_OCCLUDED = metric("true_occluded_rays", "rightly occluded", "", Neither, |trace| {
+    BALANCED = metric(["balanced_accuracy_share", "balanced accuracy", ""], Higher, |trace| right(trace, Any, 0));
+    TRUE_OCCLUDED = metric(["true_occluded_rays", "rightly occluded", ""], Neither, |trace| {
         of_any(trace, |of| of.true_occluded)
     });
-    TRUE_FREE = metric("true_free_rays", "rightly free", "", Neither, |trace| of_any(trace, |of| of.true_free));
-    FALSE_OCCLUDED = metric("false_occluded_rays", "wrongly occluded", "", Lower, |trace| {
+    TRUE_FREE = metric(["true_free_rays", "rightly free", ""], Neither, |trace| of_any(trace, |of| of.true_free));
+    FALSE_OCCLUDED = metric(["false_occluded_rays", "wrongly occluded", ""], Lower, |trace| {
         of_any(trace, |of| of.false_occluded)
     });
-    FALSE_FREE = metric("false_free_rays", "wrongly free", "", Lower, |trace| of_any(trace, |of| of.false_free));
-    SURFACES = metric("surface_agreement_share", "surfaces", "", Higher, |trace| {
+    FALSE_FREE = metric(["false_free_rays", "wrongly free", ""], Lower, |trace| of_any(trace, |of| of.false_free));
+    SURFACES = metric(["surface_agreement_share", "surfaces", ""], Higher, |trace| {
         let judged = trace.surfaces.as_ref()?;
         Some(Cell::Share(judged.agreement?, judged.interval, judged.judged))
     });
     SURFACE_JUDGED = plain("surface_judged_rays", |trace| Some(trace.surfaces.as_ref()?.judged.into()));
-    LOST = metric("surface_lost_rays", "lost", "rays", Lower, |trace| Some(trace.surfaces.as_ref()?.lost.into()));
-    MATERIAL = metric("surface_material_share", "material", "", Higher, |trace| surfaces(trace, |of| of.material));
-    NORMAL = metric("surface_normal_share", "normal", "", Higher, |trace| surfaces(trace, |of| of.normal));
-    POSITION_OF_SURFACE = metric("surface_position_share", "position", "", Higher, |trace| {
+    LOST = metric(["surface_lost_rays", "lost", "rays"], Lower, |trace| Some(trace.surfaces.as_ref()?.lost.into()));
+    MATERIAL = metric(["surface_material_share", "material", ""], Higher, |trace| surfaces(trace, |of| of.material));
+    NORMAL = metric(["surface_normal_share", "normal", ""], Higher, |trace| surfaces(trace, |of| of.normal));
+    POSITION_OF_SURFACE = metric(["surface_position_share", "position", ""], Higher, |trace| {
         surfaces(trace, |of| of.position)
     });
-    NORMAL_ERROR = metric("surface_normal_error_degrees", "normal error p50 / p95 / p99", "degrees", Lower, |trace| {
+    NORMAL_ERROR = metric(["surface_normal_error_degrees", "normal error p50 / p95 / p99", "degrees"], Lower, |trace| {
         Some(trace.surfaces.as_ref()?.normal_error_degrees.into())
     });
     POSITION_ERROR_OF_SURFACE =
-        metric("surface_position_error_scene_units", "position error p50 / p95 / p99", "scene units", Lower, |trace| {
+        metric(["surface_position_error_scene_units", "position error p50 / p95 / p99", "scene units"], Lower, |trace| {
             Some(trace.surfaces.as_ref()?.position_error.into())
         });
 }
 
 /// The agreements without them, by rule.
 pub(crate) const WITHOUT_AMBIGUOUS: Metric = metric(
-    "agreement_without_ambiguous_share",
-    "without ambiguous rays: hit_miss / tight / footprint",
-    "",
+    ["agreement_without_ambiguous_share", "without ambiguous rays: hit_miss / tight / footprint", ""],
     Higher,
     |trace| {
         if trace.judgement.one_sided().is_some() {

@@ -147,7 +147,7 @@ impl Studio<'_> {
             };
             if counts {
                 let verdicts = self.verdicts(effect, &wave, &hits, truths.as_deref(), name)?;
-                waves.push((verdicts.wave(wave.name(), hits.len()), timing));
+                waves.push((verdicts.wave(Wave::name_of(wave.number), hits.len()), timing));
             }
             paths.answer(&wave, &answers);
             if let Some(leader) = shared.and_then(|known| known.after.as_ref()) {
@@ -213,7 +213,8 @@ impl Studio<'_> {
 /// A tracer's answers as they are shaded.
 fn shading(wave: &Wave, hits: &[Hit], surfaces: &[Surface], name: &str) -> Result<Vec<render::Answer>, RunError> {
     let answers = wave.answers_of_tracer(hits, (!surfaces.is_empty()).then_some(surfaces));
-    answers.ok_or_else(|| RunError::Picture(format!("{name} has not one answer for each ray of wave {}", wave.name())))
+    let why = || format!("{name} has not one answer for each ray of wave {}", Wave::name_of(wave.number));
+    answers.ok_or_else(|| RunError::Picture(why()))
 }
 
 /// Writes the frames of an effect into the folder of results, if there is one: a sheet with the pictures of errors, and a moving one.

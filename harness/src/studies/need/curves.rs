@@ -53,18 +53,9 @@ pub struct Step<'a> {
     limits: &'a NeedRecord,
 }
 
-/// A need elsewhere.
-#[derive(Clone, Debug)]
-pub struct Transfer<'a> {
-    /// Where it was found.
-    pub from: &'a Curve<'a>,
-    /// Where it is tried.
-    pub to: &'a NeedCurve,
-    /// What is needed: the smallest value of an axis that does, or of several axes at once.
-    pub values: &'a BTreeMap<String, String>,
-    /// The same there, if it was measured.
-    pub step: Option<&'a Step<'a>>,
-}
+/// A need elsewhere: where it was found, and where it is tried; what is needed, the smallest value of an axis that does, or of several axes at
+/// once; and the same there, if it was measured.
+pub type Transfer<'a> = ([&'a Curve<'a>; 2], &'a BTreeMap<String, String>, Option<&'a Step<'a>>);
 
 impl<'a> Step<'a> {
     /// The share of rays that are rightly answered by the curve's rule, with its interval; none where nothing was judged.
@@ -238,10 +229,7 @@ pub fn transfers<'a>(curves: &'a [Curve<'a>]) -> Vec<Transfer<'a>> {
     let of = |curve: &Curve<'a>| (&curve.section.tracer, &curve.section.preset, curve.rays);
     let tried = |(from, values): (&'a Curve<'a>, &'a BTreeMap<String, String>)| {
         let others = curves.iter().filter(move |to| of(to) == of(from) && !std::ptr::eq(from.section, to.section));
-        others.map(move |to| {
-            let step = to.steps().find(|step| step.point.shrunk == *values);
-            Transfer { from, to: to.section, values, step }
-        })
+        others.map(move |to| ([from, to], values, to.steps().find(|step| step.point.shrunk == *values)))
     };
     curves.iter().flat_map(|from| from.needs().into_iter().map(move |values| (from, values))).flat_map(tried).collect()
 }

@@ -200,8 +200,8 @@ fn needs_are_tried_elsewhere() {
     let of = |record: &Record| {
         let curves = curves(record, record.need.as_ref().unwrap());
         let serves = |step: &Step<'_>| step.outcome().map(|outcome| outcome == Outcome::Enough);
-        let told = |each: &Transfer<'_>| {
-            (each.from.section.viewpoint.clone(), values_label(each.values), each.step.and_then(serves))
+        let told = |([from, _], values, step): &Transfer<'_>| {
+            (from.section.viewpoint.clone(), values_label(values), step.and_then(serves))
         };
         transfers(&curves).iter().map(told).collect::<Vec<_>>()
     };

@@ -369,7 +369,7 @@ fn scenes_are_ranked() {
         assert!(values(name, &scenes(&six[..5])).is_empty(), "{name}");
     }
     let found = |record: &Record| {
-        PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&PAPER, &Rows::of(record)).remove(0).found
+        PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&PAPER, &Rows::of(record)).remove(0).1
     };
     // Two of 720 orders: every pair in order, and none.
     assert_eq!(found(&record).note.as_deref(), Some("exact p 0.0028 over 6 scenes"));
@@ -462,9 +462,8 @@ fn voxels_alone_are_compared() {
 /// something else, the interval reaches there.
 #[test]
 fn a_walk_is_linear_beyond_what_is_fixed() {
-    let found = |record: &Record| {
-        PAPER.quantity("voxel_walk_exponents").unwrap().values(&PAPER, &Rows::of(record)).remove(0).found
-    };
+    let found =
+        |record: &Record| PAPER.quantity("voxel_walk_exponents").unwrap().values(&PAPER, &Rows::of(record)).remove(0).1;
     let record = run_of(figure_9("a"));
     let linear = found(&record);
     close(linear.value, 1.0);

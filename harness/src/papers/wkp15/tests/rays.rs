@@ -260,8 +260,8 @@ fn rows_are_held_against_two_layers() {
     close(value("undilated_false_misses_beyond_flagged", &record), in_a_million(40) / 2.0);
     let beyond =
         super::PAPER.quantity("undilated_false_misses_beyond").unwrap().values(&super::PAPER, &Rows::of(&record));
-    let [low, high] = beyond[0].found.interval;
-    assert!(low < beyond[0].found.value && beyond[0].found.value < high, "{low} {high}");
+    let [low, high] = beyond[0].1.interval;
+    assert!(low < beyond[0].1.value && beyond[0].1.value < high, "{low} {high}");
     close(value("dda_hit_miss_change", &record), -0.03);
     close(value("rays_given_up", &record), 0.0);
     assert!(values("answered_as_through_all_layers", &record).is_empty());
