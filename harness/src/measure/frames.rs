@@ -233,12 +233,14 @@ impl Follower {
         let is_stale = is_reused && !invalid.is_empty();
         if !is_stale && (is_last || can_refit && !is_reused) {
             let found = sound::statistics(self.config.structure()?, geometry)?;
-            self.sah = found.into_iter().find(|(name, _)| can_refit && *name == SAH_COST).map(|(_, cost)| cost);
+            // A hybrid names its parts' costs after them; of two that have one the first tells.
+            let is_cost = |name: &str| name.rsplit('.').next() == Some(SAH_COST);
+            self.sah = found.into_iter().find(|(name, _)| can_refit && is_cost(name)).map(|(_, cost)| cost);
         }
         if matches!(update, None | Some(Update::Rebuild)) {
             self.built_sah = self.sah;
         }
-        let stale_by = invalid.into_iter().filter(|_| is_stale).map(|(_, name)| name.to_owned());
+        let stale_by = invalid.into_iter().filter(|_| is_stale).map(str::to_owned);
         let memory = self.config.structure()?.memory();
         self.row = FrameRow {
             update: update.map_or("build", Update::name).to_owned(),
@@ -254,7 +256,7 @@ impl Follower {
     }
 
     /// What has changed since the structure was brought to its scene and eye, and invalidates it.
-    fn invalid(&self, sha256: &str, pose: &Pose) -> Vec<(Invalidation, &'static str)> {
+    fn invalid(&self, sha256: &str, pose: &Pose) -> Vec<&'static str> {
         let Some((scene, eye)) = &self.is_of else { return Vec::new() };
         let unnamed = |pose: &Pose| Pose { name: String::new(), ..pose.clone() };
         let changes = [
@@ -263,15 +265,15 @@ impl Follower {
         ];
         let by = self.config.description.invalidated_by;
         let invalid = changes.into_iter().filter(|(changed, change, _)| *changed && by.contains(change));
-        invalid.map(|(_, change, name)| (change, name)).collect()
+        invalid.map(|(.., name)| name).collect()
     }
 
-    fn choose(&self, invalid: &[(Invalidation, &'static str)], can_refit: bool) -> Update {
+    fn choose(&self, invalid: &[&str], can_refit: bool) -> Update {
         let costs = self.sah.zip(self.built_sah);
         let is_cheap = costs.is_none_or(|(sah, built)| sah < MAX_SAH_GROWTH * built);
         if invalid.is_empty() {
             Update::Reuse
-        } else if can_refit && is_cheap && invalid.iter().all(|(by, _)| *by == Invalidation::Geometry) {
+        } else if can_refit && is_cheap {
             Update::Refit
         } else {
             Update::Rebuild

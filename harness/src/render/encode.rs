@@ -48,7 +48,7 @@ fn same_size(images: &[Image8]) -> Result<[u32; 2], ImageError> {
 }
 
 /// Pixels between the stills of a strip.
-const GAP: u32 = 4;
+pub const GAP: u32 = 4;
 const GAP_COLOUR: Rgb = [255; 3];
 
 /// Stills of one size side by side, row below row; a row may be shorter.

@@ -192,11 +192,11 @@ fn some_median(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| median(values))
 }
 
-/// An error that is seen, a rule, and whether the share of wrong rays by it ranks tracers as that does: by scene and effect, exact tracers left
-/// out.
-type Ranking = (&'static str, &'static str, Vec<f64>);
+/// An error that is seen, a rule, and whether the share of wrong rays by it ranks tracers as that does: by scene, effect by effect, exact
+/// tracers left out.
+type Ranking<'a> = (&'static str, &'static str, Vec<(&'a str, f64)>);
 
-fn rankings(section: &FramesRecord) -> Vec<Ranking> {
+fn rankings(section: &FramesRecord) -> Vec<Ranking<'_>> {
     let is_sampled = |shown: &Shown<'_>| {
         let known = registry::find(&shown.series.tracer.name);
         !shown.series.is_control() && known.is_none_or(|registration| !registration.is_analytic())
@@ -204,32 +204,39 @@ fn rankings(section: &FramesRecord) -> Vec<Ranking> {
     let mut rankings = Vec::new();
     for (seen, error) in SEEN {
         for (place, rule) in Rule::ALL.into_iter().enumerate() {
-            let all = (0..section.scenes.len())
-                .flat_map(|scene| section.works.iter().map(move |work| shown(section, scene, work)));
-            let correlation = |shown: Vec<Shown<'_>>| {
-                let pairs: Vec<[f64; 2]> = shown
+            let works = |scene| section.works.iter().map(move |work| (scene, work));
+            let correlation = |(scene, work)| {
+                let pairs: Vec<[f64; 2]> = shown(section, scene, work)
                     .iter()
                     .filter(|shown| is_sampled(shown))
                     .filter_map(|shown| Some([1.0 - shown.right(place, false)?, error(shown)?]))
                     .collect();
-                rank_correlation(&pairs)
+                Some((section.scenes[scene].scene.name.as_str(), rank_correlation(&pairs)?))
             };
-            rankings.push((seen, rule.name(), all.filter_map(correlation).collect()));
+            let each = (0..section.scenes.len()).flat_map(works).filter_map(correlation);
+            rankings.push((seen, rule.name(), each.collect()));
         }
     }
-    rankings.retain(|(.., each): &Ranking| !each.is_empty());
+    rankings.retain(|(.., each): &Ranking<'_>| !each.is_empty());
     rankings
 }
 
 fn ranked(section: &FramesRecord) -> Document {
-    let sheet = Sheet::<Ranking>::new()
+    let values = |each: &[(&str, f64)]| each.iter().map(|(_, value)| *value).collect::<Vec<_>>();
+    let scenes = |each: &[(&str, f64)]| {
+        let of = |scene: &[(&str, f64)]| {
+            format!("{}: {}", scene[0].0, scene.iter().map(|(_, value)| significant(*value, 2)).join(", "))
+        };
+        each.chunk_by(|one, next| one.0 == next.0).map(of).join("; ")
+    };
+    let sheet = Sheet::<Ranking<'_>>::new()
         .column("error", |(seen, ..)| *seen)
         .column("rule", |(_, rule, _)| *rule)
         .column("scenes and effects", |(.., each)| each.len() as u64)
-        .column("rank correlation, median ↑", |(.., each)| Cell::number(median(each), 2))
-        .column("least", |(.., each)| Cell::number(each.iter().copied().reduce(f64::min), 2))
-        .column("greatest", |(.., each)| Cell::number(each.iter().copied().reduce(f64::max), 2))
-        .column("each", |(.., each)| each.iter().map(|one| significant(*one, 2)).join(", "));
+        .column("rank correlation, median ↑", move |(.., each)| Cell::number(median(&values(each)), 2))
+        .column("least", move |(.., each)| Cell::number(values(each).into_iter().reduce(f64::min), 2))
+        .column("greatest", move |(.., each)| Cell::number(values(each).into_iter().reduce(f64::max), 2))
+        .column("of effects", move |(.., each)| scenes(each));
     let rankings = rankings(section);
     if rankings.is_empty() {
         return Document::default();

@@ -37,7 +37,7 @@ pub(super) fn way(plan: &Plan, request: &FramesRequest, scene: &Scene) -> Result
             Way { said: format!("stands at {}", pose.name), poses: vec![pose; request.frames as usize] }
         }
         (_, Some(path)) => {
-            let at = |frame: u32| Pose::from(&path.at(f64::from(frame) / request.fps));
+            let at = |frame: u32| Pose::from(&path.at(plan.time_s + f64::from(frame) / request.fps));
             Way { poses: frames.map(at).collect(), said: "along the scene's path".to_owned() }
         }
         (_, None) => {

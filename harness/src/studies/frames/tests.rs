@@ -375,6 +375,13 @@ fn structures_are_brought_up_to_date_by_the_rule() {
     let row = &reused.frames[1];
     assert_eq!((row.stale_by.as_slice(), row.update_ms), (&["viewpoint".to_owned()][..], Some(0.0)));
     assert!(row.works["primary"].waves[0].right[0] < 300);
+    // A hybrid fits what can be fitted and builds the rest anew, also where the eye moves.
+    let hybrid = TracerRequest::of(registry::find("hybrid").unwrap(), Preset::Published);
+    let hybrid = Plan { tracers: vec![hybrid], ..plan("cloth", &[], 1) };
+    let asked = request(&[], 3, Moves::Both, Updates::Auto);
+    let hybrid = measured_on(&Ok(tracebench_tests::gpu()), &hybrid, &asked).unwrap();
+    assert_eq!(updates(&hybrid, "hybrid"), ["build", "refit", "refit"]);
+    assert!(series(&hybrid, "hybrid").frames.iter().all(|row| row.sah_cost.is_some()));
     // Who cannot be refitted is left out, with the reason.
     let refit =
         measured(&plan("cloth", &["bvh-cpu", "onlooker"], 1), &request(&[], 2, Moves::Geometry, Updates::Refit))
