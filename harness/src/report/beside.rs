@@ -209,7 +209,13 @@ fn range<'a>(
         let found = of(*place, place.rows().find(|(row, _)| row.tracer.label() == label)?)?;
         Some((found, literal(&place.group.scene.name)))
     };
-    let found = places.iter().filter_map(of_place).minmax_by(|(one, _), (other, _)| one.0.total_cmp(&other.0));
+    from_to(places.iter().filter_map(of_place))
+}
+
+/// Of values, what is told of them, what stands behind them, and their places: the least and the greatest, in a word where all are equal. What
+/// stands behind is told once where it is the same.
+pub(super) fn from_to(found: impl Iterator<Item = ((f64, String, String), String)>) -> Option<String> {
+    let found = found.minmax_by(|(one, _), (other, _)| one.0.total_cmp(&other.0));
     let (((_, least, beside), least_in), ((_, most, most_beside), most_in)) = found.into_option()?;
     let between = if beside == most_beside { "" } else { &*beside };
     Some(match least == most {

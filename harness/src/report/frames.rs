@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use itertools::Itertools as _;
+use tracebench_api::Update;
 
+use super::beside::from_to;
 use super::chart::series::{Errors, Series, SeriesChart, SeriesPanel, errors, series};
 use super::document::{Document, Of};
 use super::format::{self, significant};
@@ -133,7 +135,73 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
         let notes = scene.notes.iter().map(|note| literal(note));
         head.paragraphs(notes).and(section.works.iter().map(|work| of_work(record, section, place, work)))
     });
-    page.and(scenes).and(ranked(section)).and(summary::skipped(&record.skipped))
+    page.and(over_all(section)).and(scenes).and(ranked(section)).and(summary::skipped(&record.skipped))
+}
+
+/// What a tracer comes to with a work in a scene.
+struct Placed<'a> {
+    shown: Shown<'a>,
+    place: String,
+    /// Its frames over the shortest on their clock, and over the shortest of those that rebuild in all, if it does.
+    over: [Option<f64>; 2],
+}
+
+impl Shown<'_> {
+    fn rebuilds(&self) -> bool {
+        let later = self.series.frames.get(1..).unwrap_or_default();
+        !later.is_empty() && later.iter().all(|row| row.update == Update::Rebuild.name())
+    }
+}
+
+fn placed<'a>(section: &'a FramesRecord, scene: usize, work: &'a str) -> Vec<(String, Placed<'a>)> {
+    let of_tracers = shown(section, scene, work).into_iter().filter(|shown| !shown.series.is_control());
+    let all: Vec<(Shown<'_>, Option<f64>)> = of_tracers.map(|shown| (shown, some_median(&shown.ms()))).collect();
+    let over = |(shown, ms): &(Shown<'_>, Option<f64>), only_rebuilt: bool| {
+        let peers = all.iter().filter(|(peer, _)| peer.series.clock == shown.series.clock);
+        let peers = peers.filter(|(peer, _)| !only_rebuilt || peer.rebuilds());
+        Some(ms.as_ref()? / peers.filter_map(|(_, ms)| *ms).reduce(f64::min)?)
+    };
+    let place = format!("{}, {}", literal(&section.scenes[scene].scene.name), literal(work));
+    let placed = |each: &(Shown<'a>, Option<f64>)| Placed {
+        shown: each.0,
+        place: place.clone(),
+        over: [over(each, false), if each.0.rebuilds() { over(each, true) } else { None }],
+    };
+    all.iter().map(|each| (each.0.series.tracer.label(), placed(each))).collect()
+}
+
+/// What every tracer comes to over several scenes or works.
+fn over_all(section: &FramesRecord) -> Document {
+    type Row<'a> = (String, Vec<Placed<'a>>);
+    let works = (0..section.scenes.len()).flat_map(|scene| section.works.iter().map(move |work| (scene, work)));
+    let rows: Vec<Row<'_>> = gathered(works.flat_map(|(scene, work)| placed(section, scene, work)));
+    if section.scenes.len() * section.works.len() < 2 {
+        return Document::default();
+    }
+    fn ends(all: &[Placed<'_>], of: impl Fn(&Placed<'_>) -> Option<f64>, digits: usize) -> Cell {
+        let told = |value| (value, significant(value, digits), String::new());
+        let all = all.iter().filter_map(|placed| Some((told(of(placed)?), placed.place.clone())));
+        from_to(all).map_or(Cell::Absent, Cell::from)
+    }
+    let leads = |all: &[Placed<'_>]| {
+        let over = all.iter().filter_map(|placed| placed.over[1]).collect::<Vec<_>>();
+        let leads = over.iter().filter(|over| **over <= 1.0).count();
+        if over.is_empty() { Cell::None } else { format!("{leads} of {}", over.len()).into() }
+    };
+    let clock = |all: &[Placed<'_>]| all[0].shown.series.clock.map_or("", format::clock).to_owned();
+    let sheet = Sheet::<Row<'_>>::new()
+        .column("tracer", |(label, _)| label.clone())
+        .column("updates", |(_, all)| all.iter().map(|placed| updates(placed.shown.series)).unique().join("; "))
+        .column("clock", move |(_, all)| clock(all))
+        .column("frame over shortest on its clock ↓", |(_, all)| ends(all, |placed| placed.over[0], 3))
+        .column("shortest of those that rebuild", move |(_, all)| leads(all))
+        .column("right within the footprint, all waves (%) ↑", |(_, all)| {
+            ends(all, |placed| Some(100.0 * placed.shown.right(2, false)?), 4)
+        })
+        .column("FLIP, median ↓", |(_, all)| {
+            ends(all, |placed| some_median(&placed.shown.of_images(|image| image.flip)), 3)
+        });
+    Document::default().heading(2, "Over all scenes and effects").table(sheet.table(&rows))
 }
 
 /// A work in a scene.
