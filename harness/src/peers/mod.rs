@@ -1,5 +1,6 @@
 //! Tables whose rows are tracers at settings: peers of one family, ways to read and to launch, switches of an improved form.
 
+use itertools::Itertools as _;
 use tracebench_api::{Domain, ParameterError, ParameterScope, Preset};
 
 use crate::launch::combinations;
@@ -80,14 +81,14 @@ impl Table {
     }
 
     /// Every peer as published, each followed by its variants: of the reference, the first, the values of the swept parameter, of others
-    /// their own named kinds of structure, parameters that the reference has too left out. How they are read is the same for all, and no
-    /// variant.
+    /// their own named kinds of structure, each with each, parameters that the reference has too left out. How they are read is the same
+    /// for all, and no variant.
     fn peers(published: &[TracerRequest], swept: &str) -> Vec<TracerRequest> {
         let of = |request: &TracerRequest| request.registration.describe().parameters;
         let known = published.first().map(of).unwrap_or_default();
         let mut configs = Vec::new();
         for (place, request) in published.iter().enumerate() {
-            configs.push(request.clone());
+            let mut variants = vec![request.clone()];
             for parameter in of(request) {
                 let shared =
                     || parameter.name == MEMORY_ACCESS || known.iter().any(|other| other.name == parameter.name);
@@ -96,10 +97,13 @@ impl Table {
                 let wanted = if place == 0 { swept == parameter.name } else { is_kind() && !shared() };
                 let values = parameter.sweep.iter().filter(|value| wanted && **value != parameter.published);
                 // A value worth sweeping lies in its own range.
-                configs.extend(
-                    values.filter_map(|value| request.clone().with(&[(parameter.name, &value.to_string())]).ok()),
-                );
+                let with = variants.iter().cartesian_product(values).filter_map(|(variant, value)| {
+                    variant.clone().with(&[(parameter.name, &value.to_string())]).ok()
+                });
+                let more: Vec<TracerRequest> = with.collect();
+                variants.extend(more);
             }
+            configs.extend(variants);
         }
         configs
     }
