@@ -97,9 +97,10 @@ impl Table {
                 let wanted = if place == 0 { swept == parameter.name } else { is_kind() && !shared() };
                 let values = parameter.sweep.iter().filter(|value| wanted && **value != parameter.published);
                 // A value worth sweeping lies in its own range.
-                let with = variants.iter().cartesian_product(values).filter_map(|(variant, value)| {
-                    variant.clone().with(&[(parameter.name, &value.to_string())]).ok()
-                });
+                let with = variants
+                    .iter()
+                    .cartesian_product(values)
+                    .filter_map(|(variant, value)| variant.clone().with(&[(parameter.name, &value.to_string())]).ok());
                 let more: Vec<TracerRequest> = with.collect();
                 variants.extend(more);
             }

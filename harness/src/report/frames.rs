@@ -272,7 +272,7 @@ fn rankings(section: &FramesRecord) -> Vec<Ranking<'_>> {
     let mut rankings = Vec::new();
     for (seen, error) in SEEN {
         for (place, rule) in Rule::ALL.into_iter().enumerate() {
-            let works = |scene| section.works.iter().map(move |work| (scene, work));
+            let works = |scene| section.works.iter().map(move |work| (scene, work.as_str()));
             let correlation = |(scene, work)| {
                 let pairs: Vec<[f64; 2]> = shown(section, scene, work)
                     .iter()
