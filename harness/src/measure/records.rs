@@ -123,13 +123,6 @@ pub(crate) fn times(timings: &[Timing], interleaved_set_is_believed: bool) -> Ti
     }
 }
 
-/// Samples of one tracer's traces, whatever they are of, by the clock that is given; by the host's where timestamps are not believed.
-pub(crate) fn samples<'a>(timings: impl Iterator<Item = &'a Timing>, believed: bool) -> (Option<ClockKind>, Vec<f64>) {
-    let timings: Vec<Timing> = timings.cloned().collect();
-    let times = times(&timings, believed);
-    ((!timings.is_empty()).then_some(times.clock), times.samples_ms)
-}
-
 /// Values as JSON has them.
 pub(crate) fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_json::Value> {
     let json = |value: &Value| serde_json::to_value(value).unwrap_or_default();

@@ -15,8 +15,12 @@ use super::metrics::{BUILD_PEAK, FIRST_BUILD, STRUCTURE};
 use super::sheet::{Cell, Sheet, Table};
 use super::{Report, summary};
 use crate::registry;
-use crate::results::{FrameRow, FrameSeries, FramesRecord, ImageRow, ROUNDED_ORACLE, Record, Rule, WaveRow, WorkRow};
+use crate::results::{
+    FramePictures, FrameRow, FrameSeries, FramesRecord, ImageRow, ROUNDED_ORACLE, Record, Rule, TracerRecord, WaveRow,
+    WorkRow,
+};
 use crate::statistics::{median, percentile, rank_correlation};
+use crate::studies::frames::is_exact;
 
 /// The page.
 pub const FRAMES_PAGE: &str = "frames.md";
@@ -113,16 +117,17 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
     let FramesRecord { frames, fps, size: [width, height], spp, moves, update, paths, .. } = section;
     let what = match (section.fixed_rays, section.effects) {
         (true, _) => "Every frame has the world rays of the first, judged from its eye.".to_owned(),
-        (false, true) => format!(
-            "Effects are rendered at {width}x{height} with {spp} samples a pixel; paths go on from {paths} hits."
-        ),
+        (false, true) => {
+            let samples = if *spp == 1 { "one sample".to_owned() } else { format!("{spp} samples") };
+            format!("Effects are rendered at {width}x{height} with {samples} a pixel; paths go on from {paths} hits.")
+        }
         (false, false) => "Ray sets are traced anew in every frame.".to_owned(),
     };
     let cut = section.cut.map_or_else(String::new, |cut| format!(" The camera jumps in frame {cut}."));
     let page = summary::head(record, "Frames of moving scenes").paragraph(format!(
         "{frames} frames at {fps} a second; what moves: {moves}; structures: {update}.{cut} {what} A round is a frame, after one pass to \
-         warm up. Frame time is the update by the host's clock and the traces of all waves, without shading and uploads; of the first frame, \
-         which builds, it is not counted. Three figures are median / 95th percentile / worst of the frames; jitter is the 95th percentile \
+         warm up. Frame time is that of the update and of the traces of all waves by the host's clock, without shading and uploads; of several \
+         frames the first, which builds, is not counted. Three figures are median / 95th percentile / worst of the frames; jitter is the 95th percentile \
          over the median. *Turned*: of pairs of successive frames in which a surface point is seen, those whose answer along a direction \
          fixed in its triangle turns from right to wrong or back. The controls score what they must, else there would be no page."
     ));
@@ -142,7 +147,7 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
 struct Placed<'a> {
     shown: Shown<'a>,
     place: String,
-    /// Its frames over the shortest on their clock, and over the shortest of those that rebuild in all, if it does.
+    /// Its frames over the shortest, and over the shortest of those that rebuild in all, if it does.
     over: [Option<f64>; 2],
 }
 
@@ -156,16 +161,15 @@ impl Shown<'_> {
 fn placed<'a>(section: &'a FramesRecord, scene: usize, work: &'a str) -> Vec<(String, Placed<'a>)> {
     let of_tracers = shown(section, scene, work).into_iter().filter(|shown| !shown.series.is_control());
     let all: Vec<(Shown<'_>, Option<f64>)> = of_tracers.map(|shown| (shown, some_median(&shown.ms()))).collect();
-    let over = |(shown, ms): &(Shown<'_>, Option<f64>), only_rebuilt: bool| {
-        let peers = all.iter().filter(|(peer, _)| peer.series.clock == shown.series.clock);
-        let peers = peers.filter(|(peer, _)| !only_rebuilt || peer.rebuilds());
-        Some(ms.as_ref()? / peers.filter_map(|(_, ms)| *ms).reduce(f64::min)?)
+    let over = |ms: &Option<f64>, only_rebuilt: bool| {
+        let peers = all.iter().filter(|(peer, _)| !only_rebuilt || peer.rebuilds());
+        Some((*ms)? / peers.filter_map(|(_, ms)| *ms).reduce(f64::min)?)
     };
     let place = format!("{}, {}", literal(&section.scenes[scene].scene.name), literal(work));
     let placed = |each: &(Shown<'a>, Option<f64>)| Placed {
         shown: each.0,
         place: place.clone(),
-        over: [over(each, false), if each.0.rebuilds() { over(each, true) } else { None }],
+        over: [over(&each.1, false), if each.0.rebuilds() { over(&each.1, true) } else { None }],
     };
     all.iter().map(|each| (each.0.series.tracer.label(), placed(each))).collect()
 }
@@ -188,12 +192,10 @@ fn over_all(section: &FramesRecord) -> Document {
         let leads = over.iter().filter(|over| **over <= 1.0).count();
         if over.is_empty() { Cell::None } else { format!("{leads} of {}", over.len()).into() }
     };
-    let clock = |all: &[Placed<'_>]| all[0].shown.series.clock.map_or("", format::clock).to_owned();
     let sheet = Sheet::<Row<'_>>::new()
         .column("tracer", |(label, _)| label.clone())
         .column("updates", |(_, all)| all.iter().map(|placed| updates(placed.shown.series)).unique().join("; "))
-        .column("clock", move |(_, all)| clock(all))
-        .column("frame over shortest on its clock ↓", |(_, all)| ends(all, |placed| placed.over[0], 3))
+        .column("frame over the shortest ↓", |(_, all)| ends(all, |placed| placed.over[0], 3))
         .column("shortest of those that rebuild", move |(_, all)| leads(all))
         .column("right within the footprint, all waves (%) ↑", |(_, all)| {
             ends(all, |placed| Some(100.0 * placed.shown.right(2, false)?), 4)
@@ -266,8 +268,9 @@ type Ranking<'a> = (&'static str, &'static str, Vec<(&'a str, f64)>);
 
 fn rankings(section: &FramesRecord) -> Vec<Ranking<'_>> {
     let is_sampled = |shown: &Shown<'_>| {
-        let known = registry::find(&shown.series.tracer.name);
-        !shown.series.is_control() && known.is_none_or(|registration| !registration.is_analytic())
+        let TracerRecord { name, preset, changed, .. } = &shown.series.tracer;
+        let improved = preset == "improved" && changed.is_empty();
+        !shown.series.is_control() && registry::find(name).is_none_or(|known| !is_exact(known, improved))
     };
     let mut rankings = Vec::new();
     for (seen, error) in SEEN {
@@ -331,7 +334,6 @@ fn overall(all: &[Shown<'_>]) -> Table {
     let mut sheet = Sheet::<Shown<'_>>::new()
         .column("tracer", |shown| shown.series.tracer.label())
         .column("updates", |shown| updates(shown.series))
-        .column("clock", |shown| shown.series.clock.map_or("", format::clock).to_owned())
         .column("frame (ms) ↓", |shown| spread(&shown.ms(), 3))
         .column("jitter ↓", |shown| Cell::number(jitter(&shown.ms()), 3))
         .column(FIRST_BUILD.heading(), |shown| {
@@ -358,6 +360,11 @@ fn overall(all: &[Shown<'_>]) -> Table {
             sheet.column("rays right in some frames alone ↓", |shown| shown.series.changing.get(shown.work).copied());
     }
     sheet = sheet.column("turned (%) ↓", |shown| Cell::number(shown.turned().map(|share| 100.0 * share), 3));
+    if all.iter().any(|shown| shown.series.pictures.contains_key(shown.work)) {
+        let files = |of: &FramePictures| format!("{}, {}", of.sheet, of.animation);
+        sheet =
+            sheet.column("pictures/: sheet, animation", move |shown| shown.series.pictures.get(shown.work).map(files));
+    }
     sheet.table(all)
 }
 

@@ -7,7 +7,7 @@ use tracebench_api::Query;
 pub(crate) use list::*;
 
 use super::sheet::{Cell, Column};
-use crate::results::{Accuracy, AnyJudgement, ClosestJudgement, Judgement, Row, SurfaceDistance, TraceRecord};
+use crate::results::{Accuracy, AnyJudgement, ClosestJudgement, Judgement, Record, Row, SurfaceDistance, TraceRecord};
 
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,8 +168,9 @@ pub(super) fn with_ambiguous<'a>(mut traces: impl Iterator<Item = &'a TraceRecor
 }
 
 /// What pages say of ambiguous rays.
-pub(super) fn of_ambiguous<'a>(mut judged: impl Iterator<Item = &'a Judgement>) -> &'static str {
-    if judged.any(Judgement::has_ambiguous) {
+pub(super) fn of_ambiguous(record: &Record) -> &'static str {
+    let mut judged = record.rows.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
+    if record.frames.is_some() || judged.any(Judgement::has_ambiguous) {
         "Ambiguous rays, whose truth depends on rounding, have several right answers; those of any-hit sets, where both are right, \
          are left out of every share."
     } else {

@@ -60,12 +60,15 @@ pub(crate) fn head(record: &Record, title: &str) -> Document {
              are set as the first tracer's of their scene, which every resident batch has, was slower or faster there."
         ));
     }
-    let judged = record.rows.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
-    page.and(notes(record)).paragraph(format!(
-        "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. {} Each time names its clock; \
-         times of different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.",
-        metrics::of_ambiguous(judged)
-    ))
+    let ambiguous = metrics::of_ambiguous(record);
+    let marks = "↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.";
+    page.and(notes(record)).paragraph(match record.frames {
+        Some(_) => format!("{ambiguous} {marks}"),
+        None => format!(
+            "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. {ambiguous} Each time names \
+             its clock; times of different clocks do not compare. {marks}"
+        ),
+    })
 }
 
 /// What is to be known before any figure: what the import of a scene warns of, and rays of which shares of right answers say nothing.

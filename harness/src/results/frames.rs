@@ -86,7 +86,7 @@ records! {
         pub machine: u32 = default,
         /// Its interleaved set; none of controls.
         pub interleaved_set: Option<u32> = default,
-        /// The clock of its traces.
+        /// The clock of its traces: the host's.
         pub clock: Option<ClockKind> = default,
         /// Why its traces have no times, where their clock has failed its control.
         pub invalid: Option<String> = default,
@@ -161,7 +161,7 @@ records! {
         pub name: String,
         /// Its rays.
         pub rays: u64,
-        /// How long they took, milliseconds; none of controls.
+        /// How long they took by the host's clock, milliseconds; none of controls.
         pub trace_ms: Option<f64> = default,
         /// How many of its rays were judged: all of them, or every so manieth where paths go on from a tracer's own hits.
         pub judged: u64,

@@ -15,7 +15,7 @@ use tracebench_api::{Preset, Query, Update};
 
 use crate::measure::{self, Context, MovingFrames, RunError, records};
 use crate::plan::{Plan, TracerRequest};
-use crate::registry::Family;
+use crate::registry::{Family, Registration};
 use crate::render::Effect;
 use crate::results::{FrameSeries, FramesRecord, InterleavedSetRecord, MovingScene, Record, Skipped};
 use tracebench_scenes::Scene;
@@ -169,9 +169,12 @@ impl FramesRequest {
 
 /// Whether an image may differ from the truth's by rounding alone: that of a hierarchy, however it is set, and of another method with analytic
 /// hits in its improved form.
-fn is_exact(request: &TracerRequest) -> bool {
-    let improved = request.preset == Preset::Improved && request.changed.is_empty();
-    request.registration.is_analytic() && (request.registration.family == Family::Bvh || improved)
+pub(crate) fn is_exact(registration: &Registration, is_improved: bool) -> bool {
+    registration.is_analytic() && (registration.family == Family::Bvh || is_improved)
+}
+
+fn is_exact_as_asked(request: &TracerRequest) -> bool {
+    is_exact(&request.registration, request.preset == Preset::Improved && request.changed.is_empty())
 }
 
 /// A part, measured in a scene.
@@ -212,7 +215,8 @@ pub fn execute(plan: &Plan, request: &FramesRequest, context: &Context<'_>) -> R
     }
     // What is said of a scene is said in each of its parts.
     record.skipped = std::mem::take(&mut record.skipped).into_iter().unique().collect();
-    let is_empty = section.rows.iter().all(FrameSeries::is_control);
+    let has_answered = |row: &FrameSeries| !row.is_control() && row.frames.iter().any(|frame| !frame.works.is_empty());
+    let is_empty = !section.rows.iter().any(has_answered);
     record.frames = Some(section);
     if is_empty && context.shard.is_none() { Err(measure::nothing(&record)) } else { Ok(record) }
 }

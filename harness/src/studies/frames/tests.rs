@@ -296,7 +296,7 @@ fn exact_tracers_keep_to_the_floor_in_every_scene() {
     let device = Ok(tracebench_tests::gpu());
     let presets = [Preset::Published, Preset::Improved];
     let of = |registration: &Registration| presets.map(|preset| TracerRequest::of(registration, preset));
-    let exact: Vec<TracerRequest> = registry::TRACERS.iter().flat_map(of).filter(is_exact).collect();
+    let exact: Vec<TracerRequest> = registry::TRACERS.iter().flat_map(of).filter(is_exact_as_asked).collect();
     let scenes = tracebench_scenes::catalogue().iter();
     let beyond = scenes.filter_map(|scene| beyond_the_floor(scene.name, [96, 64], exact.clone(), &device));
     assert_eq!(beyond.collect::<Vec<_>>(), Vec::<String>::new());

@@ -7,7 +7,7 @@ use tracebench_api::{Geometry, Hit, Query, Timing, TraceTo, TracerError, Viewpoi
 
 use super::images::{self, Answering, Reference, Rendered, Studio};
 use super::points::Points;
-use super::{FramesRequest, SceneMeasured, is_exact};
+use super::{FramesRequest, SceneMeasured, is_exact_as_asked};
 use crate::judge::{Judge, Rule};
 use crate::machine;
 use crate::measure::controls::{Control, checked};
@@ -91,7 +91,7 @@ struct Told {
 struct Series {
     frames: Vec<FrameRow>,
     told: Told,
-    /// Frame, work, wave and time of every trace.
+    /// Frame, work, wave and time of every trace, by the host's clock: a frame has updates in it, which no other clock takes.
     timings: Vec<(usize, String, usize, Timing)>,
     /// Works that it does not serve.
     unserved: Vec<String>,
@@ -124,7 +124,7 @@ impl Series {
         let mut rows = Vec::new();
         for (place, (wave, timing)) in waves.into_iter().enumerate() {
             rows.push(wave);
-            self.timings.extend(timing.map(|timing| (frame, effect.to_owned(), place, timing)));
+            self.timings.extend(timing.map(|timing| (frame, effect.to_owned(), place, timing.by_submission())));
         }
         let image = image.map(|(mut row, image, error, errors)| {
             let before = self.errors.as_ref().zip(motion);
@@ -314,7 +314,7 @@ impl FrameWork for Watch<'_> {
         let first = waves.map(|wave| (&wave.buffer, wave.wave.end)).chain(of_sets).next();
         let none = || TracerError::Unsupported(format!("frame {} has no {} rays", here.number, self.first));
         let (rays, end) = first.ok_or_else(none)?;
-        measure::trace_sample(config, rays, end, here.session.gpu(), 2).map(|traced| traced.timing)
+        measure::trace_sample(config, rays, end, here.session.gpu(), 2).map(|traced| traced.timing.by_submission())
     }
 
     /// The controls in a frame.
@@ -388,7 +388,7 @@ impl Watch<'_> {
                     let traced = series.served(work, traced.map_err(RunError::from), &mut skip)?;
                     let Some(Traced { timing, hits, surfaces }) = traced.filter(|_| counts) else { continue };
                     let counters = here.session.count(config, rays, &hits, &surfaces)?;
-                    series.timings.push((here.number, work.to_owned(), 0, timing));
+                    series.timings.push((here.number, work.to_owned(), 0, timing.by_submission()));
                     (hits, counters.into_iter().map(|counter| (counter.name.to_owned(), counter.total)).collect())
                 }
                 Answering::Control(control) => (answers_of(*control, &judge, work)?, BTreeMap::new()),
@@ -438,16 +438,12 @@ impl Watch<'_> {
 
     /// What was measured of the scene. Where the control of a clock fails, no trace has a time.
     pub(super) fn finish(mut self, followed: Followed) -> Result<SceneMeasured, RunError> {
-        let timings = |series: &Series| series.timings.iter().map(|(.., timing)| timing.clone()).collect::<Vec<_>>();
-        let of_doubles = followed.doubles.iter().map(|double| double.timings.clone());
-        let all: Vec<Vec<Timing>> = self.series.iter().map(timings).chain(of_doubles).collect();
-        let believed = records::are_believed(all.iter().map(Vec::as_slice));
         let (first, size) = (self.first, self.plan.preset.ray_image);
         let doubled = |double: &DoubledWork| {
             let all = self.series[self.controls.len() + double.participant].timings.iter();
             let once = all.filter(|(_, work, wave, _)| work == first && *wave == 0);
             let once: Vec<Timing> = once.map(|(.., timing)| timing.clone()).collect();
-            double.record(records::request_record(&self.tracers[double.participant]).label(), &once, believed)
+            double.record(records::request_record(&self.tracers[double.participant]).label(), &once, true)
         };
         let doubled_work: Vec<_> = followed.doubles.iter().map(doubled).collect();
         let invalid = measure::invalid_reason(&doubled_work);
@@ -460,13 +456,14 @@ impl Watch<'_> {
             _ => TracerRecord { name: ROUNDED_ORACLE.to_owned(), ..records::control_record(Control::Oracle) },
         };
         let controls: Vec<TracerRecord> = self.controls.iter().map(record).collect();
-        let is_exact = std::iter::repeat_n(false, controls.len()).chain(self.tracers.iter().map(is_exact));
+        let is_exact = std::iter::repeat_n(false, controls.len()).chain(self.tracers.iter().map(is_exact_as_asked));
         let tracers = controls.into_iter().chain(self.tracers.iter().map(records::request_record)).zip(is_exact);
         for ((tracer, is_exact), mut series) in tracers.zip(self.series.drain(..)) {
             if series.frames.is_empty() {
                 continue;
             }
-            let (clock, samples_ms) = records::samples(series.timings.iter().map(|(.., timing)| timing), believed);
+            let timings: Vec<Timing> = series.timings.iter().map(|(.., timing)| timing.clone()).collect();
+            let samples_ms = records::times(&timings, true).samples_ms;
             for ((frame, work, wave, _), ms) in series.timings.iter().zip(samples_ms) {
                 let row = series.frames.get_mut(*frame).and_then(|row| row.works.get_mut(work));
                 if let Some(wave) = row.and_then(|row| row.waves.get_mut(*wave)) {
@@ -486,7 +483,7 @@ impl Watch<'_> {
                 tracer,
                 machine: 0,
                 interleaved_set: interleaved_set.as_ref().filter(|_| !is_control).map(|_| 0),
-                clock,
+                clock: timings.first().map(|timing| timing.clock),
                 invalid: invalid.clone().filter(|_| !is_control),
                 floor_holds,
                 changing: series.told.changing(),
