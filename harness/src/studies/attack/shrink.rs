@@ -150,33 +150,27 @@ impl Shrinker<'_> {
     }
 }
 
-/// The smallest list that delta debugging finds to fail, of one that does (Zeller and Hildebrandt, *Simplifying and Isolating
-/// Failure-Inducing Input*, TSE 2002): without any one item it does not.
+/// What is left of a list that fails, so that without any one item it does not: parts are taken away, from halves to single items (delta
+/// debugging; Zeller and Hildebrandt, *Simplifying and Isolating Failure-Inducing Input*, TSE 2002). A part is not tried by itself, nor again
+/// at its size because another has gone: where few items matter that takes far fewer tests.
 pub(super) fn minimal<T: Clone>(
     mut items: Vec<T>,
     mut fails: impl FnMut(&[T]) -> Result<bool, RunError>,
 ) -> Result<Vec<T>, RunError> {
-    let mut parts = 2;
-    'smaller: while items.len() > 1 {
-        let size = items.len().div_ceil(parts);
-        for part in items.chunks(size) {
-            if fails(part)? {
-                (items, parts) = (part.to_vec(), 2);
-                continue 'smaller;
-            }
-        }
-        for begin in (0..items.len()).step_by(size).filter(|_| parts > 2) {
+    let mut size = items.len();
+    loop {
+        size = size.div_ceil(2);
+        let (before, mut begin) = (items.len(), 0);
+        while begin < items.len() {
             let end = (begin + size).min(items.len());
             let without = [&items[..begin], &items[end..]].concat();
-            if fails(&without)? {
-                (items, parts) = (without, (parts - 1).max(2));
-                continue 'smaller;
+            match !without.is_empty() && fails(&without)? {
+                true => items = without,
+                false => begin = end,
             }
         }
-        if size == 1 {
-            break;
+        if size <= 1 && items.len() == before {
+            return Ok(items);
         }
-        parts = (2 * parts).min(items.len());
     }
-    Ok(items)
 }
