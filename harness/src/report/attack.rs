@@ -32,10 +32,9 @@ fn page(record: &Record, attack: &AttackRecord) -> Document {
     let sheet = Sheet::<SearchRecord>::new()
         .column("scene", |search| Cell::Name(search.scene.clone()))
         .column("tracer", |search| search.tracer.label())
-        .column("rays", |search| search.rays.clone())
         .column("trials", |search| search.trials)
         .column("right at the scene's viewpoint", |search| right(trace(search, attack.viewpoint_of(&search.scene))))
-        .column("at the worst random pose", |search| right(trace(search, &search.random.viewpoint)))
+        .column("at the worst of as many random poses", |search| right(trace(search, &search.random.viewpoint)))
         .column("at the worst pose found", |search| right(worst(search)))
         .column("worse than random", |search| {
             let interval = |trace| accuracy(trace).and_then(|Accuracy { interval, .. }| interval);
@@ -78,8 +77,12 @@ fn page(record: &Record, attack: &AttackRecord) -> Document {
         let title = format!("{}, {}, {}", search.scene, search.tracer.label(), search.rays);
         Document::default().heading(2, title).table(sheet.table(&all)).paragraphs(small)
     };
+    let of_rays = |rays: &String| {
+        let all: Vec<SearchRecord> = attack.searches.iter().filter(|search| search.rays == *rays).cloned().collect();
+        Document::default().rays(2, rays, rays).table(sheet.table(&all))
+    };
     let head = summary::head(record, "Where tracers are wrong the most").paragraph(words);
-    head.table(sheet.table(&attack.searches))
+    head.and(attack.searches.iter().map(|search| &search.rays).unique().map(of_rays))
         .and(attack.searches.iter().map(poses))
         .and(summary::skipped(&record.skipped))
 }

@@ -20,6 +20,8 @@ use crate::progress::Progress;
 use crate::rays::{HOSTILE, RAY_SETS, default_parameters};
 use crate::registrations::{Create, Registration, Told};
 use crate::registry::Device;
+use crate::report;
+use crate::results::Row;
 use crate::truth::{Cache, Ray64, Truth};
 use crate::viewpoint::Pose;
 
@@ -36,18 +38,28 @@ enum Fault {
     Refusing,
 }
 
-/// Corners of a triangle of the small room: one of the floor's.
+/// Corners of a triangle of the small room: 99 of 100 are smaller.
 static LOST: LazyLock<[[f32; 3]; 3]> = LazyLock::new(|| {
     let mesh = tracebench_scenes::procedural("room", 0.05).unwrap().mesh;
-    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| mesh.positions[vertex as usize]);
     let area = |triangle: &[u32; 3]| {
-        let [a, b, c] = corners(triangle).map(glam::Vec3::from);
+        let [a, b, c] = corners(&mesh.positions, triangle).map(glam::Vec3::from);
         (b - a).cross(c - a).length()
     };
     let mut triangles = mesh.triangles.clone();
     triangles.sort_by(|one, other| area(one).total_cmp(&area(other)));
-    corners(&triangles[triangles.len() * 995 / 1000])
+    corners(&mesh.positions, &triangles[triangles.len() * 99 / 100])
 });
+
+/// The corners of a triangle.
+fn corners(positions: &[[f32; 3]], triangle: &[u32; 3]) -> [[f32; 3]; 3] {
+    triangle.map(|vertex| positions[vertex as usize])
+}
+
+/// The x from which on hits are too far.
+fn border(geometry: &Geometry) -> f64 {
+    let (low, high) = (geometry.bounds_min.x, geometry.bounds_max.x);
+    f64::from(low) + 0.9 * f64::from(high - low)
+}
 
 struct Planted {
     fault: Fault,
@@ -63,9 +75,8 @@ impl Tracer for Planted {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
         clock.host_phase("nothing", || ());
-        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| geometry.positions[vertex as usize]);
-        let is_kept = |triangle: &&[u32; 3]| self.fault != Fault::Lost || corners(triangle) != *LOST;
-        let triangles = geometry.triangles.iter().filter(is_kept).copied().collect();
+        let is_lost = |one: &[u32; 3]| self.fault == Fault::Lost && corners(&geometry.positions, one) == *LOST;
+        let triangles = geometry.triangles.iter().filter(|triangle| !is_lost(triangle)).copied().collect();
         let kept = Geometry::new(geometry.positions.to_vec(), triangles, None)?;
         Ok(Box::new(Self { fault: self.fault, truth: Some(Truth::new(&kept, "planted")) }))
     }
@@ -88,8 +99,7 @@ impl Structure for Planted {
             return Err(TracerError::Unsupported("rays of any kind".to_owned()));
         }
         let truth = self.truth.as_ref().unwrap();
-        let (low, high) = (truth.geometry().bounds_min.x, truth.geometry().bounds_max.x);
-        let border = f64::from(low) + 0.9 * f64::from(high - low);
+        let border = border(truth.geometry());
         let answer = |ray: &tracebench_api::Ray| {
             let ray = Ray64::from(ray);
             let Some(hit) = truth.closest(&ray) else { return Hit::miss(Status::Miss) };
@@ -153,8 +163,12 @@ fn plan(tracers: &[TracerRequest], rays: RaySet) -> Plan {
     }
 }
 
+fn named(name: &str) -> RaySet {
+    *RAY_SETS.iter().find(|set| set.name == name).unwrap()
+}
+
 fn diffuse() -> RaySet {
-    *RAY_SETS.iter().find(|set| set.name == "diffuse").unwrap()
+    named("diffuse")
 }
 
 fn options(trials: u32) -> AttackOptions {
@@ -173,21 +187,31 @@ fn begun(folder: &std::path::Path) -> Journal {
     Journal::begin(&results, &Value::Null, &machine::this_machine(None), None).unwrap()
 }
 
-/// Proves that a tracer which loses one triangle of the room and one which is wrong in a tenth of its bounds are found out, and that a ray
-/// and at most eight triangles are left of what is wrong; a sound one has nothing to find. Rows from the poses say the same.
+/// Proves that a tracer which loses one triangle of the room and one which is wrong in a tenth of its bounds are found out: from the pose that
+/// is found fresh rays are wrong more often than from the scene's own viewpoint, and than from the worst of as many random poses. One ray and
+/// at most eight triangles are left of what is wrong, the planted fault among them. A sound tracer has nothing to find. Rows from the poses
+/// say the same.
 #[test]
 fn planted_faults_are_found_and_made_small() {
     let tracers = [Fault::Lost, Fault::Far, Fault::None].map(planted);
     let folder = tempfile::tempdir().unwrap();
     let journal = begun(folder.path());
-    let record = search(&plan(&tracers, diffuse()), &options(24), &journal).unwrap();
+    let record = search(&plan(&tracers, diffuse()), &options(128), &journal).unwrap();
     let attack = record.attack.as_ref().unwrap();
     let [lost, far, sound] = &attack.searches[..] else { panic!("{attack:?}") };
+    // The interval of right answers to fresh rays.
+    let right = |found: &SearchRecord, viewpoint: &str| {
+        let trace = found.trace(&record, viewpoint).unwrap();
+        attack.accuracy(trace).unwrap().interval.unwrap()
+    };
     for found in [lost, far] {
         let worst = &found.found[0];
         assert!(worst.wrong > 0, "{found:?}");
-        let trace = found.trace(&record, &worst.viewpoint).unwrap();
-        assert!(attack.accuracy(trace).unwrap().wrong > 0, "{found:?}");
+        let of_found = right(found, &worst.viewpoint);
+        for viewpoint in [attack.viewpoint_of(&found.scene), &found.random.viewpoint] {
+            let there = right(found, viewpoint);
+            assert!(of_found[1] < there[0], "{viewpoint}: {of_found:?} {there:?}");
+        }
         let small = found.shrunk.as_ref().unwrap();
         assert!(small.rays == 1 && small.triangles <= 8, "{small:?}");
         // What was written is what the command reads, and its truth is that of the small scene.
@@ -198,8 +222,14 @@ fn planted_faults_are_found_and_made_small() {
         let answers = exchange::read_truth(&written, &set.manifest).unwrap();
         let truth = Truth::new(&Geometry::new(scene.mesh.positions, scene.mesh.triangles, None).unwrap(), "small");
         exchange::check_truth(&written, &truth, &set, &answers, 1).unwrap();
+        // The fault is in what is left.
+        let (geometry, hit) = (truth.geometry(), answers[0].hit.unwrap());
+        match found.tracer.name == lost.tracer.name {
+            true => assert_eq!(corners(&geometry.positions, &geometry.triangles[hit.primitive as usize]), *LOST),
+            false => assert!(Ray64::from(&set.rays[0]).at(hit.t).x > border(geometry), "{hit:?}"),
+        }
         let row = record.rows.iter().find(|row| row.tracer == found.tracer && row.viewpoint.name == worst.viewpoint);
-        let seen = Pose::parse(&worst.view).unwrap().viewpoint(truth.geometry(), [8, 8], 8);
+        let seen = Pose::parse(&worst.view).unwrap().viewpoint(geometry, [8, 8], 8);
         let viewpoint = &row.unwrap().viewpoint;
         assert_eq!((seen.near, seen.far), (viewpoint.near, viewpoint.far));
         assert!(small.command.contains("--rays file:attack/room_") && small.command.contains(&worst.view));
@@ -212,37 +242,90 @@ fn planted_faults_are_found_and_made_small() {
     assert_eq!(Record::read(&text).unwrap(), record);
 }
 
-/// Proves that forty trials are the same on one thread and on two, and that a longer search begins with the shorter one; another seed
-/// has others.
+/// Proves that forty trials are the same on one thread and on two, with all answers and verdicts from the poses, and that a longer search
+/// begins with the shorter one; another seed has others. One that was killed goes on with the trials that it kept, and finds the others.
 #[test]
 fn searches_repeat_whatever_the_threads() {
     let plan = plan(&[planted(Fault::Far)], diffuse());
+    let brief = |trials: u32| AttackOptions { is_brief: true, ..options(trials) };
     let of = |threads: usize, seed: u64, trials: u32| {
         let plan = Plan { seed, ..plan.clone() };
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let brief = AttackOptions { is_brief: true, ..options(trials) };
-        let record = pool.install(|| search(&plan, &brief, &Journal::none())).unwrap();
-        let answers = record.rows.iter().map(|row| (row.viewpoint.clone(), row.traces[0].hits_sha256.clone()));
-        (answers.collect::<Vec<_>>(), record.attack.unwrap())
+        let record = pool.install(|| search(&plan, &brief(trials), &Journal::none())).unwrap();
+        let told = |row: &Row| {
+            let trace = &row.traces[0];
+            (row.viewpoint.clone(), trace.rays_sha256.clone(), trace.hits_sha256.clone(), trace.judgement.clone())
+        };
+        (record.rows.iter().map(told).collect::<Vec<_>>(), record.attack.unwrap())
     };
     let (rows, attack) = of(1, 1, 40);
     assert_eq!(of(2, 1, 40), (rows, attack.clone()));
     assert_ne!(of(2, 2, 40).1.searches[0].trials_sha256, attack.searches[0].trials_sha256);
-    let trials = |trials: u32| {
+    let name = "001-trials";
+    let trials = |trials: u32, kept: Option<&Trials>| {
         let folder = tempfile::tempdir().unwrap();
-        let brief = AttackOptions { is_brief: true, ..options(trials) };
-        search(&plan, &brief, &begun(folder.path())).unwrap();
         // What is on the disk is what a process that goes on reads.
-        let results = Arc::new(OutputFolder::open(&folder.path().join("out")).unwrap());
-        let journal = Journal::resume(&results, &Value::Null, &machine::this_machine(None)).unwrap();
-        journal.read::<Trials>("001-trials").unwrap().unwrap()
+        let gone_on = || {
+            let results = Arc::new(OutputFolder::open(&folder.path().join("out")).unwrap());
+            Journal::resume(&results, &Value::Null, &machine::this_machine(None)).unwrap()
+        };
+        let mut journal = begun(folder.path());
+        if let Some(kept) = kept {
+            journal.keep(name, kept).unwrap();
+            drop(journal);
+            journal = gone_on();
+        }
+        search(&plan, &brief(trials), &journal).unwrap();
+        drop(journal);
+        let journal = gone_on();
+        journal.read::<Trials>(name).unwrap().unwrap()
     };
-    let (short, long) = (trials(10), trials(30));
+    let (short, long) = (trials(10, None), trials(30, None));
     assert!(
         short.searched.len() == 10
             && long.searched[..10] == short.searched[..]
             && long.random[..10] == short.random[..]
     );
+    // A kept trial that no pose can have tells that it was taken as it is.
+    let (searched, mut random) = (long.searched[..7].to_vec(), long.random[..6].to_vec());
+    random[0].wrong = random[0].judged;
+    let whole = trials(30, Some(&Trials { searched, random: random.clone(), is_done: false }));
+    assert_eq!(whole.searched, long.searched);
+    assert_eq!((&whole.random[..6], &whole.random[6..]), (&random[..], &long.random[6..]));
+}
+
+/// Proves that the page has a table a ray set, in which every tracer has its agreement at the scene's own viewpoint, at the worst random pose
+/// and at the worst pose found, each with its interval.
+#[test]
+fn the_page_has_every_tracer_at_three_viewpoints() {
+    let sets = ["diffuse", "primary"];
+    let ray_sets = sets.map(named).to_vec();
+    let plan = Plan { ray_sets, ..plan(&[Fault::Far, Fault::None].map(planted), diffuse()) };
+    let brief = AttackOptions { is_brief: true, ..options(2) };
+    let record = search(&plan, &brief, &Journal::none()).unwrap();
+    let files = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
+    let (_, page) = files.iter().find(|(name, _)| name == report::ATTACK_PAGE).unwrap();
+    let page = String::from_utf8(page.clone()).unwrap();
+    for set in sets {
+        let (_, below) = page.split_once(&format!("\n## {set}\n\n")).unwrap();
+        let table: Vec<Vec<&str>> = below
+            .lines()
+            .take_while(|line| line.starts_with('|'))
+            .map(|line| line.split('|').map(str::trim).collect())
+            .collect();
+        let place = |heading: &str| table[0].iter().position(|cell| *cell == heading).unwrap();
+        let headings = [
+            "tracer",
+            "right at the scene's viewpoint",
+            "at the worst of as many random poses",
+            "at the worst pose found",
+        ];
+        let [tracer, shares @ ..] = headings.map(place);
+        assert_eq!(table[2..].iter().map(|row| row[tracer]).collect::<Vec<_>>(), ["far", "sound"]);
+        for row in &table[2..] {
+            assert!(shares.iter().all(|share| row[*share].contains(" % [")), "{row:?}");
+        }
+    }
 }
 
 /// Proves that hostile rays are searched though many are ambiguous, that a tracer which refuses is told of with its reason while others are
