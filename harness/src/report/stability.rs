@@ -6,6 +6,7 @@ use super::document::Document;
 use super::format;
 use super::group::gathered;
 use super::sheet::Sheet;
+use super::summary::footprint_of_many;
 use crate::cases;
 use crate::results::{CaseRecord, DifficultyLevel, ExpectationRecord, Provenance, Record, Skipped};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
@@ -63,16 +64,16 @@ pub(super) fn difficulty_value(value: f64) -> String {
 
 /// What is made of a run of cases: page and chart.
 pub(super) fn report(record: &Record) -> Option<Report> {
-    Some(Report::of_page(STABILITY_TABLE, page(&Stability::of(record)?)))
+    Some(Report::of_page(STABILITY_TABLE, page(&Stability::of(record)?, footprint_of_many(&record.rows))))
 }
 
-fn page(stability: &Stability) -> Document {
+fn page(stability: &Stability, footprint: Option<String>) -> Document {
     let Provenance { machine, commit, dirty, started, rules_version, .. } = &stability.provenance;
     let (commit, machine) = (format::commit(commit, *dirty), machine.label());
     let head = format!("{started}, commit {commit}, rules version {rules_version}. Machine: {machine}.");
     let chart = difficulty::chart(stability);
-    let head =
-        Document::titled("Stability").paragraph(head).chart(CHART, "Wrong rays over the difficulty level", chart);
+    let head = Document::titled("Stability").paragraph(head).paragraphs(footprint);
+    let head = head.chart(CHART, "Wrong rays over the difficulty level", chart);
     head.and(document(stability)).and(stability.cases.iter().map(section))
 }
 

@@ -99,18 +99,39 @@ pub(super) fn notes(record: &Record) -> Document {
     Document::default().items(notes)
 }
 
+/// How a sentence on widths of pixels begins.
+const FOOTPRINT: &str = "Footprint: one pixel of the reference camera";
+
+/// How many times as wide a pixel of the frame is, and one of a face, as one of the camera that `footprint` is of; none of rays without an
+/// eye, which have no viewpoint.
+fn widths(row: &Row) -> Option<[f64; 2]> {
+    let ViewpointRecord { vertical_fov_degrees, frame: [width, height], face, .. } = row.viewpoint;
+    let of_frame = REFERENCE_PIXELS * f64::from(0.5 * vertical_fov_degrees).to_radians().tan() / f64::from(height);
+    (width > 0).then(|| [of_frame, REFERENCE_PIXELS / f64::from(face)])
+}
+
 /// How wide pixels of frames and faces are, in those of the camera that `footprint` is of.
 fn footprint(record: &Record) -> Option<String> {
     let of = |row: &Row| {
-        let ViewpointRecord { vertical_fov_degrees, frame: [width, height], face, .. } = row.viewpoint;
-        let of_frame = REFERENCE_PIXELS * f64::from(0.5 * vertical_fov_degrees).to_radians().tan() / f64::from(height);
-        let of_face = REFERENCE_PIXELS / f64::from(face);
-        let [of_frame, of_face] = [of_frame, of_face].map(|times| significant(times, 2));
-        format!("at {width}x{height} a frame's is {of_frame} times as wide, at {face}x{face} a face's {of_face} times")
+        let [of_frame, of_face] = widths(row)?.map(|times| significant(times, 2));
+        let ViewpointRecord { frame: [width, height], face, .. } = row.viewpoint;
+        let of_frame = format!("at {width}x{height} a frame's is {of_frame} times as wide");
+        Some(format!("{of_frame}, at {face}x{face} a face's {of_face} times"))
     };
-    // Rays without an eye have no viewpoint.
-    let each = record.rows.iter().filter(|row| row.viewpoint.frame != [0; 2]).map(of).unique().join("; ");
-    (!each.is_empty()).then(|| format!("Footprint: one pixel of the reference camera; {each}."))
+    let each = record.rows.iter().filter_map(of).unique().join("; ");
+    (!each.is_empty()).then(|| format!("{FOOTPRINT}; {each}."))
+}
+
+/// The same from the least to the greatest, of rows at many resolutions.
+pub(crate) fn footprint_of_many<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<String> {
+    let all: Vec<[f64; 2]> = rows.into_iter().filter_map(widths).collect();
+    let range = |place: usize| {
+        let (least, most) = all.iter().map(|each| each[place]).minmax_by(f64::total_cmp).into_option()?;
+        let [least, most] = [least, most].map(|times| significant(times, 2));
+        Some(if least == most { least } else { format!("{least} to {most}") })
+    };
+    let (of_frame, of_face) = (range(0)?, range(1)?);
+    Some(format!("{FOOTPRINT}; a frame's is {of_frame} times as wide, a face's {of_face} times."))
 }
 
 /// How long was sampled, and which interleaved sets decide nothing.

@@ -440,7 +440,8 @@ fn the_summary_tells_statistics() {
     assert!(!summary(&record).contains("says of itself"));
 }
 
-/// Proves that pages say how wide pixels are beside those of the reference camera, whose 90 degrees have 1024: each resolution once.
+/// Proves that pages say how wide pixels are beside those of the reference camera, whose 90 degrees have 1024: each resolution once, of many
+/// the range, which claims of a paper have of the runs for its tables alone.
 #[test]
 fn pixels_stand_beside_the_footprints() {
     let mut record = of_peers();
@@ -456,8 +457,16 @@ fn pixels_stand_beside_the_footprints() {
     assert!(once.ends_with("at 512x256 a frame's is 4.0 times as wide, at 512x512 a face's 2.0 times."), "{once}");
     record.rows[0].viewpoint.vertical_fov_degrees = 60.0;
     assert!(said(&record).unwrap().contains("is 2.3 times as wide"));
+    let many = summary::footprint_of_many(&record.rows).unwrap();
+    assert!(many.ends_with("; a frame's is 2.3 to 4.0 times as wide, a face's 2.0 times."), "{many}");
+    let of_claims = |table: &str| {
+        let record = Record { table: Some(table.to_owned()), ..record.clone() };
+        crate::papers::claims_of(&[record]).iter().map(|page| page.markdown().contains(&many)).collect::<Vec<_>>()
+    };
+    assert_eq!([of_claims("dirt-table1"), of_claims("bvh")], [vec![true], vec![]]);
     record.rows.clear();
     assert_eq!(said(&record), None);
+    assert_eq!(summary::footprint_of_many(&record.rows), None);
 }
 
 /// The committed records, in order.

@@ -5,7 +5,7 @@ use crate::papers::{Claim, JudgedClaim, MeasuredBy, PAPERS, Paper, SceneValue, T
 use crate::report::document::Document;
 use crate::report::format::significant;
 use crate::report::sheet::{Sheet, Table};
-use crate::report::{Report, ReportError};
+use crate::report::{Report, ReportError, summary};
 use crate::results::Record;
 use itertools::Itertools as _;
 
@@ -103,24 +103,28 @@ fn measured_by(judged: &JudgedClaim) -> Option<String> {
 }
 
 /// All claims of a paper together.
-fn claims_page(paper: &Paper, judged: &[JudgedClaim]) -> Document {
+fn claims_page(paper: &Paper, rows: &[Record], judged: &[JudgedClaim]) -> Document {
     let machines = judged.iter().filter_map(|each| each.measured_by.as_ref()).map(|by| &by.machine).unique();
     let machines = machines.map(|machine| format!("Machine: {machine}"));
     let verdicts = Verdict::ALL.iter().map(|verdict| {
         let count = judged.iter().filter(|each| each.verdict == *verdict).count();
         format!("{}: {count}", verdict.name())
     });
+    let own = rows.iter().filter(|record| is_of(paper, record)).flat_map(|record| &record.rows);
     let title = format!("Claims of {}", paper.published.paper.title);
-    Document::titled(&title).items(machines.chain(verdicts)).paragraph(HOW).table(table(judged, true))
+    let head = machines.chain(verdicts).chain(summary::footprint_of_many(own));
+    Document::titled(&title).items(head).paragraph(HOW).table(table(judged, true))
+}
+
+/// Whether a run was made for a table of a paper.
+fn is_of(paper: &Paper, record: &Record) -> bool {
+    record.table.as_deref().is_some_and(|table| paper.experiment(table).is_some())
 }
 
 /// The claims of every paper for one of whose tables a run was made, a page a paper.
 pub fn claims_of(rows: &[Record]) -> Vec<Document> {
-    let is_of = |paper: &&&Paper| {
-        let mut tables = rows.iter().filter_map(|record| record.table.as_deref());
-        tables.any(|table| paper.experiment(table).is_some())
-    };
-    PAPERS.iter().filter(is_of).map(|paper| claims_page(paper, &judge_all(paper, rows))).collect()
+    let measured = PAPERS.iter().filter(|paper| rows.iter().any(|record| is_of(paper, record)));
+    measured.map(|paper| claims_page(paper, rows, &judge_all(paper, rows))).collect()
 }
 
 /// All claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`.
@@ -131,5 +135,5 @@ pub(crate) fn claims_report(paper: &Paper, rows: &[Record]) -> Result<Report, Re
     let (stem, judged) = (format!("claims_{}", paper.name), judge_all(paper, rows));
     let name = format!("{stem}.json");
     let data = vec![(name.clone(), files::json(&name, &judged)?)];
-    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, &judged))], data, ..Report::default() })
+    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, rows, &judged))], data, ..Report::default() })
 }
