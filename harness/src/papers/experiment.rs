@@ -104,21 +104,24 @@ pub(super) const MEANS: [(&str, &[&str]); 2] =
 pub struct ExperimentRow {
     /// The tracer.
     pub tracer: &'static str,
+    /// From which preset.
+    pub preset: Preset,
     /// Parameters with their values.
     pub values: Vec<(&'static str, Vec<&'static str>)>,
 }
 
 impl Deserialize<'static> for ExperimentRow {
-    /// In one line: `dirt tile_size=1,2 buckets=24`.
+    /// In one line: `dirt tile_size=1,2 buckets=24`, `dirt:improved`.
     fn deserialize<D: Deserializer<'static>>(deserializer: D) -> Result<Self, D::Error> {
         let line = <&'static str>::deserialize(deserializer)?;
-        let (tracer, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let (tracer, preset) = head.split_once(':').unwrap_or((head, Preset::Published.name()));
+        let preset = Preset::ALL.into_iter().find(|each| each.name() == preset);
         let with_values =
             |word: &'static str| Some((word.split_once('=')?.0, word.split_once('=')?.1.split(',').collect()));
         let values = rest.split_whitespace().map(with_values).collect::<Option<_>>();
-        let values =
-            values.ok_or_else(|| D::Error::custom(format!("`{line}` is not `TRACER PARAMETER=VALUE,VALUE ...`")))?;
-        Ok(Self { tracer, values })
+        let row = preset.zip(values).map(|(preset, values)| Self { tracer, preset, values });
+        row.ok_or_else(|| D::Error::custom(format!("`{line}` is not `TRACER[:PRESET] PARAMETER=VALUE,VALUE ...`")))
     }
 }
 
@@ -195,7 +198,7 @@ impl Step {
 }
 
 impl ExperimentRow {
-    /// Whether a request of a table is one of these.
+    /// Whether a request of a table is one of these, of either preset.
     pub(super) fn takes(&self, request: &TracerRequest) -> bool {
         let is = |(name, values): &(&str, Vec<&str>)| match *name {
             "named" => values.iter().all(|value| request.changed.iter().any(|changed| changed == value)),
@@ -209,7 +212,7 @@ impl ExperimentRow {
         let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
         let known = registration.describe().parameters;
         let launch = launch.iter().filter(|(name, _)| known.iter().any(|parameter| parameter.name == *name));
-        let mut requests = vec![TracerRequest::of(registration, Preset::Published)];
+        let mut requests = vec![TracerRequest::of(registration, self.preset)];
         let own = self.values.iter().map(|(name, values)| (*name, &values[..]));
         for (parameter, values) in own.chain(launch.copied()) {
             let with = |request: &TracerRequest, value: &str| {

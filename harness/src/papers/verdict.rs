@@ -6,6 +6,7 @@ use tracebench_api::named;
 
 use super::Paper;
 use super::claims::{Claim, Rule, Test};
+use super::experiment::StandIn;
 use super::frames::with_rows;
 use super::quantity::{OfScene, Quantity};
 use super::rows::Rows;
@@ -139,6 +140,7 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         None => agreed(rule, &readings),
     };
     let record = rows.record;
+    let is_about = |each: &&StandIn| scenes.is_empty() || scenes.iter().any(|name| name == each.published);
     let measured_by = MeasuredBy {
         table: experiment.name.to_owned(),
         rows: rows.of_all(experiment),
@@ -159,7 +161,7 @@ pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
         values,
         either,
         unit: readings[0].0.unit.clone(),
-        scenes: [about.names(), if scenes.is_empty() { experiment.scenes.len() } else { scenes.len() }],
+        scenes: [about.names(), experiment.scenes.iter().filter(is_about).count()],
         measured_by: Some(measured_by),
     }
 }

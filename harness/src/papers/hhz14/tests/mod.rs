@@ -11,7 +11,7 @@ use crate::papers::HHZ14 as PAPER;
 use crate::papers::fixture::{
     self, close, config, count, in_a_million, run_of, set_build, set_bytes, set_classes, set_time, trace_of,
 };
-use crate::papers::{Rows, SceneValue};
+use crate::papers::{Rows, SceneValue, Verdict, judge};
 use crate::results::{Judgement, Record, Row};
 
 const SETS: [(&str, Query); 6] = [
@@ -124,6 +124,63 @@ fn depth_images_stand_beside() {
         for name in ["accuracy_over_depth_images", "speed_over_depth_images"] {
             assert!(values(name, &run_of(rows.to_vec())).is_empty(), "{name}");
         }
+    }
+}
+
+/// The published forms of depth images stand aside for those with a cap and for the improved ones, and starts along the ray for lifted ones,
+/// where that is asked for; without such rows there is nothing.
+#[test]
+fn forms_and_starts_stand_beside() {
+    let changed = |place: usize, parameters: &[(&str, Value)], ms: f64, accuracy: f64| {
+        let mut row = table_1("a").swap_remove(place);
+        row.tracer.parameters.extend(parameters.iter().map(|(name, value)| ((*name).to_owned(), value.clone())));
+        ["specular", "refraction", "visibility"].iter().for_each(|rays| set_time(&mut row, rays, ms));
+        set_accuracy(&mut row, "visibility", accuracy);
+        row
+    };
+    let others = [
+        changed(4, &[("max_steps", json!(200))], 0.5, 0.6),
+        changed(4, &[("march", json!("cells"))], 1.0, 0.95),
+        changed(5, &[("search", json!("closed"))], 5.0, 0.96),
+        changed(1, &[("start_along", json!("normal"))], 0.4, 0.92),
+    ];
+    let record = run_of([&table_1("a")[..], &others[..]].concat());
+    for (name, expected) in [
+        // Of 5 ms.
+        ("accuracy_over_depth_images", 1.0),
+        ("speed_over_depth_images", 0.8),
+        // The height field is the more accurate, DDA the quicker.
+        ("accuracy_over_capped_images", 1.0),
+        ("speed_over_capped_images", 0.3),
+        ("accuracy_over_improved_images", 0.9 / 0.96),
+        ("speed_over_improved_images", 0.6),
+        ("lifted_accuracy_over_depth_images", 0.92 / 0.9),
+        ("lifted_speed_over_depth_images", 4.0 / 1.2),
+    ] {
+        close(value(name, &record), expected);
+    }
+    let without = run_of(table_1("a"));
+    for name in ["speed_over_capped_images", "accuracy_over_improved_images", "lifted_speed_over_depth_images"] {
+        assert!(values(name, &without).is_empty(), "{name}");
+    }
+}
+
+/// What three steps lose of refracted rays decides about massive and about thin glass apart.
+#[test]
+fn thin_glass_is_a_claim_of_its_own() {
+    let of = |scene: &str, lost: f64| {
+        let mut rows = figure_6(scene, [9.0, 6.0, 5.0]);
+        set_classes(&mut rows[1], "refraction", [0, 0], 0.97 - lost);
+        rows
+    };
+    let record = run_of([of("solids", 0.2), of("room", 0.01), of("candy", 0.0)].concat());
+    for (id, verdict, scenes) in [
+        ("hhz14-three-step-refraction", Verdict::Holds, [2, 2]),
+        ("hhz14-three-step-thin-glass", Verdict::DoesNotHold, [1, 1]),
+    ] {
+        let claim = PAPER.claims.iter().find(|claim| claim.id == id).unwrap();
+        let judged = judge(&PAPER, claim, &Rows::of(&record));
+        assert_eq!((judged.verdict, judged.scenes), (verdict, scenes), "{id}: {:?}", judged.values);
     }
 }
 
