@@ -1,5 +1,6 @@
 //! What is to be run: presets, scenes, tracers, rays, resolutions.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use serde_json::json;
@@ -16,6 +17,15 @@ pub const LARGEST_EDGE: u32 = 16_384;
 
 /// Largest edge of a cube face, pixels.
 pub const LARGEST_FACE: u32 = 8_192;
+
+/// Reads a number within a range, of which words say what it is.
+pub(crate) fn within(
+    range: RangeInclusive<f64>,
+    words: impl Into<String>,
+) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    let words = words.into();
+    move |text| text.parse().ok().filter(|number| range.contains(number)).ok_or_else(|| words.clone())
+}
 
 /// A run preset sets rays, resolutions, samples and the scale of procedural scenes, nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,6 @@
 //! The arguments of `table` and those that verbs share, and the plan that they make.
 
 use std::ffi::{OsStr, OsString};
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -14,7 +13,7 @@ use super::{CliError, names};
 use crate::judge::WRONG_RAYS_PER_CAUSE;
 use crate::papers;
 use crate::plan::{
-    LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SAMPLING, SceneSource, TracerRequest, ViewRequest,
+    LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SAMPLING, SceneSource, TracerRequest, ViewRequest, within,
 };
 use crate::rays::{BETWEEN_SAMPLES, MAX_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Adaptive, SampleSchedule};
@@ -159,15 +158,6 @@ pub(super) struct DeviceArguments {
     #[arg(long, value_name = "adapter|webgpu",
           value_parser = |text: &str| DeviceLimits::named(text).ok_or_else(|| DeviceLimits::NAMES.join(" or ")))]
     pub limits: Option<DeviceLimits>,
-}
-
-/// Reads a number within a range, of which words say what it is.
-pub(super) fn within(
-    range: RangeInclusive<f64>,
-    words: impl Into<String>,
-) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    let words = words.into();
-    move |text| text.parse().ok().filter(|number| range.contains(number)).ok_or_else(|| words.clone())
 }
 
 fn frame(text: &str) -> Result<[u32; 2], String> {

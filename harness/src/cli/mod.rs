@@ -31,7 +31,7 @@ use crate::files::FileError;
 use crate::measure::RunError;
 use crate::plan::TracerRequest;
 use crate::progress::{self, Progress};
-use crate::registry::Device;
+use crate::registry::{self, Device, Registration};
 use crate::report::ReportError;
 
 /// Comparative benchmark of image-space ray tracers: speed and accuracy of the same rays, side by side.
@@ -56,7 +56,7 @@ enum Verb {
     /// List tracers (with their parameters), scenes, ray sets, cases or tables.
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
-    Run(studies::RunArguments),
+    Run(studies::StudyArguments),
     /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error; or show what the choice of a
     /// parameter costs.
     Sweep(sweep::SweepArguments),
@@ -64,7 +64,11 @@ enum Verb {
     /// at which agreement.
     Pareto(studies::ParetoArguments),
     /// Shrink structures until answers get worse: bytes needed beside bytes stored and touched.
-    Need(studies::NeedArguments),
+    #[command(
+        mut_arg("tracer", |arg| arg.help("Tracers: NAME or NAME:PRESET with commas, or all. Methods with nothing to shrink stand there with what they store and touch")),
+        mut_arg("rays", |arg| arg.default_value("diffuse,ao")),
+    )]
+    Need(studies::StudyArguments),
     /// Follow moving scenes frame by frame: update structures, trace or render every frame, and tell time, error and flicker.
     Frames(studies::FramesArguments),
     /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
@@ -84,7 +88,11 @@ enum Verb {
     /// Search for the poses at which tracers are wrong the most, and make what is wrong there small.
     Attack(studies::AttackArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
-    Explain(studies::ExplainArguments),
+    #[command(
+        mut_arg("scene", |arg| arg.default_value("all")),
+        mut_arg("tracer", |arg| arg.default_value(registry::first(studies::explainable).map(Registration::name)).help("The tracer, NAME or NAME:PRESET: one whose weaknesses can be taken away")),
+    )]
+    Explain(studies::StudyArguments),
     /// Write rays with their truth, and the scene, as arrays that any program reads.
     #[command(mut_arg("adapter", |arg| arg.hide(true)), mut_arg("limits", |arg| arg.hide(true)))]
     Rays(judge::RaysArguments),

@@ -192,11 +192,7 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
 
 /// The only tracer of a list; `else_refused` says that there may be no more.
 pub(super) fn one_tracer(list: &str, settings: &[String], else_refused: &str) -> Result<TracerRequest, CliError> {
-    let mut tracers = tracers(list, settings)?;
-    match (tracers.pop(), tracers.as_slice()) {
-        (Some(tracer), []) => Ok(tracer),
-        _ => refuse(else_refused),
-    }
+    tracers(list, settings)?.into_iter().exactly_one().or_else(|_| refuse(else_refused))
 }
 
 /// The tracers of a table with `--set` values on top; none is required, since nobody has named it.

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::within;
 use super::output::{print, print_text, print_written};
 use super::work::refuse_others;
 use super::{CliError, fail, fail_for, refuse};
 use crate::compare::{self, Comparison, DEFAULT_THRESHOLD};
 use crate::files::OutputFolder;
 use crate::measure::Journal;
+use crate::plan::within;
 use crate::progress::Progress;
 use crate::report::{self as reports, MAX_BYTES, Makers, ReportError};
 use crate::results::{Record, merge};

@@ -1,34 +1,28 @@
 //! `sweep`, and `sweep --choose`.
 
-use std::ffi::{OsStr, OsString};
-
-use clap::Args;
+use clap::builder::ArgPredicate;
+use clap::{Arg, Args};
 use serde_json::json;
 use tracebench_api::Invalidation;
 
-use super::arguments::{Selection, WorkArguments};
-use super::studies::rule;
+use super::arguments::Selection;
+use super::studies::{StudyArguments, rule};
 use super::work::Work;
 use super::{CliError, names, refuse};
 use crate::judge::Rule;
 use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
 use crate::registry::{self, Registration, TRACERS};
-use crate::report;
 use crate::results::{AxisRecord, CHOOSE};
 use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
 
 #[derive(Args)]
+#[command(
+    mut_arg("scene", |arg| by_default(arg, "room", "all")),
+    mut_arg("tracer", |arg| by_default(arg.help("The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which parameters are swept"), tracer_of(has_sweep), tracer_of(has_choice))),
+    mut_arg("rays", |arg| by_default(arg, "diffuse", "specular,diffuse")),
+)]
 pub(super) struct SweepArguments {
-    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one. If not given room,
-    /// with --choose all.
-    #[arg(long)]
-    scene: Option<OsString>,
-    #[arg(long, help = tracer_help())]
-    tracer: Option<String>,
-    /// Ray sets: names from `list rays` with commas, file:DIR for a folder of rays, or all. If not given diffuse, with --choose specular,diffuse.
-    #[arg(long)]
-    rays: Option<String>,
     #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true, help = over_help())]
     over: Vec<String>,
     /// Sweeps all combinations of two, in place of one at a time: A,B, as in --over. Charts have A along the axis.
@@ -39,7 +33,7 @@ pub(super) struct SweepArguments {
     #[arg(long, value_name = "RULE", value_parser = Rule::ALL.map(Rule::name), conflicts_with_all = ["grid", "samples", "ratio_precision", "time_limit"])]
     choose: Option<String>,
     #[command(flatten)]
-    work: WorkArguments,
+    study: StudyArguments,
 }
 
 fn has_sweep(tracer: &Registration) -> bool {
@@ -55,13 +49,11 @@ fn tracer_of(is: fn(&Registration) -> bool) -> &'static str {
     registry::first(is).map_or("", Registration::name)
 }
 
-fn tracer_help() -> String {
-    format!(
-        "The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which parameters are \
-         swept. If not given {}, with --choose {}",
-        tracer_of(has_sweep),
-        tracer_of(has_choice)
-    )
+/// An option that is something else with `--choose` where it is not given.
+fn by_default(arg: Arg, own: &'static str, chosen: &'static str) -> Arg {
+    let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+    let arg = arg.default_value(own).default_value_if("choose", ArgPredicate::IsPresent, chosen);
+    arg.help(format!("{help}; with --choose {chosen} if not given"))
 }
 
 /// The help of `--over`, with what registrations say is swept or chosen.
@@ -84,16 +76,12 @@ fn over_help() -> String {
 
 impl SweepArguments {
     fn request(&self) -> Result<TracerRequest, CliError> {
-        let own = tracer_of(if self.choose.is_some() { has_choice } else { has_sweep });
-        let list = self.tracer.as_deref().unwrap_or(own);
-        let refused = format!("--tracer '{list}': a sweep takes one tracer");
-        names::one_tracer(list, &self.work.common.settings, &refused)
+        let StudyArguments { tracer, work, .. } = &self.study;
+        names::one_tracer(tracer, &work.common.settings, &format!("--tracer '{tracer}': a sweep takes one tracer"))
     }
 
     fn selection(&self) -> Result<Selection, CliError> {
-        let (scene, rays) = if self.choose.is_some() { ("all", "specular,diffuse") } else { ("room", "diffuse") };
-        let scene = self.scene.as_deref().unwrap_or(OsStr::new(scene));
-        Selection::of(scene, self.request().map(|request| vec![request]), self.rays.as_deref().unwrap_or(rays))
+        Selection::of(&self.study.scene, self.request().map(|request| vec![request]), &self.study.rays)
     }
 
     /// What is swept round a request's own values.
@@ -212,9 +200,9 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
         let sweep = Sweep::new(plan, axes, grid).map_err(|error| refused(&error, option))?;
         Ok::<_, CliError>(if let Some(rule) = by { sweep.choosing(rule) } else { sweep })
     };
-    sweep(&arguments.work.plan(arguments.selection()?, || false)?, axes)?;
+    sweep(&arguments.study.work.plan(arguments.selection()?, || false)?, axes)?;
     let verb = if by.is_some() { CHOOSE } else { "sweep" };
-    let work = Work::prepare(&arguments.work, || arguments.selection(), verb, progress)?;
+    let work = Work::prepare(&arguments.study.work, || arguments.selection(), verb, progress)?;
     // By the means that it has here; and the preset of the adapter's kind may have other edges.
     let axes = arguments.axes(&work.plan.tracers[0])?;
     let sweep = sweep(&work.plan, axes.clone()).inspect_err(|_| work.bench.out.abandon())?;
@@ -223,7 +211,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
         Some(rule) => json!({ "axis": axes.first(), "rule": rule }),
         None => json!({ "axes": axes, "grid": grid }),
     };
-    work.study(words, (report::SWEEP_PAGE, None), |context| sweep.execute(context)).map(drop)
+    work.study(words, None, |context| sweep.execute(context)).map(drop)
 }
 
 #[cfg(test)]

@@ -147,7 +147,7 @@ fn all_right(table: Table, record: &Record) -> Result<(), CliError> {
 
 /// Of a paper's table the verdicts are the answer.
 fn print_table(table: Table, folder: &Path) -> Result<(), CliError> {
-    print_page(&report::table_page(table.name(), folder), matches!(table, Table::Paper(..)).then_some("## Claims"))
+    print_page(&folder.join(report::table_page(table.name())), matches!(table, Table::Paper(..)).then_some("## Claims"))
 }
 
 /// Sets what a paper claims beside what was measured of it.

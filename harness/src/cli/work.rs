@@ -18,7 +18,7 @@ use crate::measure::{Context, Journal, RunError, records};
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
-use crate::report::{self, ReportError};
+use crate::report::{self, ReportError, format::edges};
 use crate::results::{LaunchRecord, LaunchSettings, Provenance, Record, ShardRecord, Skipped, UNTIMED};
 use crate::tables;
 use crate::truth::Cache;
@@ -71,14 +71,16 @@ impl<'a> Work<'a> {
         Ok(Self { plan, bench })
     }
 
-    /// Measures what a study asks of the plan, with further words of it, and prints the answer of its page, from a heading on if one is given.
+    /// Measures what a study asks of the plan, with further words of it, and prints the answer of its page, which is named after the verb,
+    /// from a heading on if one is given.
     pub(super) fn study(
         &self,
         words: Value,
-        (page, heading): (&str, Option<&str>),
+        heading: Option<&str>,
         execute: impl FnOnce(&Context<'_>) -> Result<Record, RunError>,
     ) -> Result<Record, CliError> {
         let record = self.bench.measure(std::slice::from_ref(&self.plan), words, execute)?;
+        let page = format!("{}.md", self.bench.verb.split(' ').next().unwrap_or_default());
         print_page(&self.bench.out.path().join(page), heading)?;
         Ok(record)
     }
@@ -319,13 +321,9 @@ pub(super) fn refuse_others<'p>(folder: &Path, mut given: impl Iterator<Item = &
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {
     let RunPreset { name, ray_image, frame, face, sampling, .. } = plan.preset;
+    let (rays, frame, sampling) = (edges(ray_image), edges(frame), sampling.describe());
     progress.say(&format!(
-        "preset {name}: rays from {}x{} pixels, frame {}x{}, faces {face}, {}; adapter: {}",
-        ray_image[0],
-        ray_image[1],
-        frame[0],
-        frame[1],
-        sampling.describe(),
+        "preset {name}: rays from {rays} pixels, frame {frame}, faces {face}, {sampling}; adapter: {}",
         adapter.unwrap_or("none")
     ));
 }

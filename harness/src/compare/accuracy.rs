@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::results::{Accuracy as Right, AnyJudgement, Judgement};
+use crate::results::{Accuracy as Right, Judgement};
 
 /// Which way an accuracy moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -40,16 +40,12 @@ pub struct Accuracy {
 impl Accuracy {
     /// By every rule; nothing for verdicts on different queries.
     pub(super) fn of_both(a: &Judgement, b: &Judgement) -> Vec<Self> {
-        let (rules, rays): (&[_], _) = match (a, b) {
-            (Judgement::Closest(a), Judgement::Closest(_)) => {
-                (&["hit_miss", "tight", "footprint"], a.classes.tight.all())
-            }
-            (Judgement::Any(AnyJudgement { occlusion: a, .. }), Judgement::Any(_)) => {
-                let rays = a.true_occluded + a.true_free + a.false_occluded + a.false_free;
-                (&["balanced accuracy"], rays)
-            }
+        let rules: &[_] = match (a, b) {
+            (Judgement::Closest(_), Judgement::Closest(_)) => &["hit_miss", "tight", "footprint"],
+            (Judgement::Any(_), Judgement::Any(_)) => &["balanced accuracy"],
             _ => return Vec::new(),
         };
+        let rays = a.true_hits_and_misses().into_iter().sum();
         let both = a.accuracies(rays).into_iter().zip(b.accuracies(rays));
         rules.iter().zip(both).map(|(rule, (a, b))| Self::of(rule, &a, &b)).collect()
     }

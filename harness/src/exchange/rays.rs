@@ -54,7 +54,6 @@ pub struct Manifest {
     /// The scene.
     pub scene: SceneRecord,
     /// The eye, from which the reference camera looks whose pixel `footprint` is of, and how rays were made; none of rays without an eye.
-    #[serde(default)]
     pub viewpoint: Option<ViewpointRecord>,
     /// Seed of the rays.
     #[serde(default)]

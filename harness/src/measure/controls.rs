@@ -7,24 +7,26 @@ use glam::Vec3;
 use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock, Query, Ray, Residency,
     Status, Structure, Surface, SurfaceStatus, TraceJob, TraceTo, Tracer, TracerDescription, TracerError, Update,
-    Viewpoint,
+    Viewpoint, named,
 };
 
 use crate::judge::true_counts;
 use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, PerRule, SurfaceJudgement, TrueCounts};
 use crate::truth::{Answer, Ray64};
 
-/// A control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Control {
-    /// Answers the truth; its agreements must be 1.
-    Oracle,
-    /// Never hits.
-    AlwaysMiss,
-    /// Always hits.
-    AlwaysHit,
-    /// Answers the truth, but for a known share.
-    Corrupted,
+named! {
+    /// A control.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Control {
+        /// Answers the truth; its agreements must be 1.
+        Oracle = "oracle",
+        /// Never hits.
+        AlwaysMiss = "always-miss",
+        /// Always hits.
+        AlwaysHit = "always-hit",
+        /// Answers the truth, but for a known share.
+        Corrupted = "corrupted",
+    }
 }
 
 /// Of so many rays that truly hit the corrupted control misses one, and of so many that truly miss it hits with one.
@@ -46,24 +48,16 @@ pub fn corrupted(answers: &[Answer]) -> Vec<bool> {
 pub type KnownAnswers = Vec<(Arc<Vec<Ray>>, Arc<Vec<Answer>>)>;
 
 impl Control {
-    /// Every control.
-    pub const ALL: [Control; 4] = [Self::Oracle, Self::AlwaysMiss, Self::AlwaysHit, Self::Corrupted];
-
-    /// The names of all.
-    pub fn names() -> Vec<String> {
-        crate::results::CONTROL_NAMES.map(str::to_owned).into()
-    }
-
     /// What it is.
     pub fn description(self) -> TracerDescription {
-        let (name, summary) = match self {
-            Self::Oracle => ("oracle", "answers the ground truth: must score 1"),
-            Self::AlwaysMiss => ("always-miss", "never hits: scores the share of rays that miss"),
-            Self::AlwaysHit => ("always-hit", "always hits, half the scene's diagonal away"),
-            Self::Corrupted => ("corrupted", "answers the truth but for one ray of eight: must score just that"),
+        let summary = match self {
+            Self::Oracle => "answers the ground truth: must score 1",
+            Self::AlwaysMiss => "never hits: scores the share of rays that miss",
+            Self::AlwaysHit => "always hits, half the scene's diagonal away",
+            Self::Corrupted => "answers the truth but for one ray of eight: must score just that",
         };
         TracerDescription {
-            name,
+            name: self.name(),
             citation: "",
             summary,
             residency: Residency::Host,

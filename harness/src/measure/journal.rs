@@ -44,7 +44,6 @@ struct Begun {
     machine_id: String,
     plan: Value,
     /// How searches read and are launched where nothing is set: a run that is gone on with takes these, whatever a probe says by then.
-    #[serde(default)]
     launch: Option<LaunchRecord>,
     started: String,
     resumed: Vec<String>,

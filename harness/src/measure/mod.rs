@@ -31,7 +31,7 @@ pub use journal::{Journal, JournalError};
 pub use resident_batch::MAX_RESIDENT;
 pub(crate) use resident_batch::measure;
 pub use run::{Context, execute_all};
-pub(crate) use run::{add, add_or_skip, begin, empty, measure_plan, measure_scene, nothing};
+pub(crate) use run::{add, add_or_skip, begin, empty, filled, measure_plan, measure_scene, nothing};
 pub(crate) use scene::{SceneTruth, mirrors};
 pub use scene::{choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;

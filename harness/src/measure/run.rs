@@ -17,7 +17,7 @@ use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
 use crate::rays::RaySet;
 use crate::registry::Device;
-use crate::results::{LaunchRecord, Provenance, Record, Row, SCHEMA, ShardRecord, Skipped};
+use crate::results::{CONTROL_NAMES, LaunchRecord, Provenance, Record, Row, SCHEMA, ShardRecord, Skipped};
 use crate::truth::Cache;
 
 /// What everything is measured with.
@@ -153,7 +153,7 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Record, RunE
             index += 1;
         }
     }
-    if record.rows.is_empty() && context.shard.is_none() { Err(nothing(&record)) } else { Ok(record) }
+    filled(record, context)
 }
 
 /// Measures requests from the plan's viewpoint in a scene.
@@ -215,7 +215,8 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
     provenance.resumed = resumed.to_vec();
     provenance.launch.clone_from(&context.launch);
     provenance.shard.clone_from(&context.shard);
-    Record { schema: SCHEMA, provenance, control_names: Control::names(), ..Record::default() }
+    let control_names = CONTROL_NAMES.map(str::to_owned).into();
+    Record { schema: SCHEMA, provenance, control_names, ..Record::default() }
 }
 
 /// Adds what was measured in a place, and gives who could not be, by request.
@@ -244,6 +245,11 @@ pub(crate) fn add_or_skip(record: &mut Record, found: Measured, requests: &[Trac
         let tracer = Some(records::request_record(&requests[request]).label());
         record.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
     }
+}
+
+/// A record in which something ran; nothing may be left for a shard.
+pub(crate) fn filled(record: Record, context: &Context<'_>) -> Result<Record, RunError> {
+    if record.rows.is_empty() && context.shard.is_none() { Err(nothing(&record)) } else { Ok(record) }
 }
 
 /// The error of a run in which nothing could run, with every reason once.

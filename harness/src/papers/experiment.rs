@@ -33,7 +33,6 @@ pub struct Experiment {
     #[serde(default)]
     pub trace_to: TraceTo,
     /// What is asked where it is frames of a moving scene, of effects or of its ray sets, of one step.
-    #[serde(default)]
     pub frames: Option<FramesRequest>,
     /// What is run one after the other.
     pub steps: Vec<Step>,
@@ -43,7 +42,6 @@ pub struct Experiment {
     pub launch: bool,
     /// The rows that show it within minutes, those that have such values: `named` is of parameters that the row itself names. All where
     /// none is said.
-    #[serde(default)]
     pub(super) few_rows: Option<Vec<ExperimentRow>>,
     /// What the page shows of it before its rows: tables of its paper by name, `beside TRACER`, or `by part`.
     #[serde(default)]

@@ -201,9 +201,8 @@ fn decided(rule: &Rule, found: &[OfScene]) -> (Verdict, Option<String>) {
 /// Why nothing is said, by scene.
 fn open(rule: &Rule, found: &[OfScene]) -> String {
     let why = |(scene, found): &OfScene| {
-        let doubts: Vec<&str> = found.doubts.iter().map(String::as_str).collect();
-        let why = match (doubts.is_empty(), found.at_launch_settings) {
-            (false, _) => doubts.join(", "),
+        let why = match (found.doubts.is_empty(), found.at_launch_settings) {
+            (false, _) => found.doubts.iter().join(", "),
             (true, false) => "the interval does not separate".to_owned(),
             (true, true) => "equal and best launch settings disagree, or their intervals do not separate".to_owned(),
         };

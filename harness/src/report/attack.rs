@@ -8,16 +8,13 @@ use super::{Report, group, rows, summary};
 use crate::results::{Accuracy, AttackRecord, PICTURES_FOLDER, PoseRecord, Record, SearchRecord, TraceRecord};
 use crate::studies::attack::FINER;
 
-/// The page's file.
-pub const ATTACK_PAGE: &str = "attack.md";
-
 /// Causes that a cell names.
 const TOP_CAUSES: usize = 3;
 
 /// What is made of searches.
 pub(super) fn report(record: &Record) -> Option<Report> {
     let of_rows = rows(record, &group::groups(record), Sheet::new(), |_| None::<()>);
-    Some(Report::of_page(ATTACK_PAGE, page(record, record.attack.as_ref()?)).and(of_rows))
+    Some(Report::of_page("attack.md", page(record, record.attack.as_ref()?)).and(of_rows))
 }
 
 fn page(record: &Record, attack: &AttackRecord) -> Document {

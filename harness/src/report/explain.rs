@@ -8,12 +8,9 @@ use super::sheet::{Cell, Column, Columns, Sheet, Table};
 use super::{Report, summary};
 use crate::results::{Explained, ExplanationRecord, MAX_UNEXPLAINED, Record, RemedyRecord, SceneExplained};
 
-/// The page's file.
-pub const EXPLAIN_PAGE: &str = "explain.md";
-
 /// What is made of an explanation.
 pub(super) fn report(record: &Record) -> Option<Report> {
-    Some(Report::of_page(EXPLAIN_PAGE, page(record, record.explanation.as_ref()?)))
+    Some(Report::of_page("explain.md", page(record, record.explanation.as_ref()?)))
 }
 
 /// The page.

@@ -119,7 +119,7 @@ pub(crate) fn run(configs: &[(&str, Quality)], sets: &[(&str, Query)]) -> Record
         attack: None,
         judged: None,
         ray_parameters: BTreeMap::new(),
-        control_names: crate::measure::controls::Control::names(),
+        control_names: crate::results::CONTROL_NAMES.map(str::to_owned).into(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         rows: configs.iter().map(|(name, quality)| config(name, *quality, sets)).collect(),
         anchors: Vec::new(),

@@ -22,9 +22,6 @@ use crate::results::{
 use crate::statistics::{median, percentile, rank_correlation};
 use crate::studies::frames::is_exact;
 
-/// The page.
-pub const FRAMES_PAGE: &str = "frames.md";
-
 /// A row a frame.
 const FRAMES_TABLE: &str = "frames.csv";
 
@@ -109,7 +106,7 @@ pub(in crate::report) fn shown<'a>(section: &'a FramesRecord, scene: usize, work
 /// What is made of frames.
 pub(super) fn report(record: &Record) -> Option<Report> {
     let section = record.frames.as_ref()?;
-    let page = Report::of_page(FRAMES_PAGE, page(record, section));
+    let page = Report::of_page("frames.md", page(record, section));
     Some(Report { tables: vec![(FRAMES_TABLE.to_owned(), every_frame(section))], ..page })
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use itertools::Itertools as _;
 use tracebench_api::{Query, named};
 
 use super::document::{Document, set_heading};
@@ -105,45 +106,25 @@ pub(crate) fn gathered<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>)
 }
 
 /// Sorts a run into groups, in order of first appearance.
-pub(super) fn groups(record: &Record) -> Vec<Group<'_>> {
-    let mut groups: Vec<Group<'_>> = Vec::new();
-    let roles = [(Role::Tracer, &record.rows), (Role::Control, &record.controls)];
-    for (role, one) in roles.into_iter().flat_map(|(role, rows)| rows.iter().map(move |one| (role, one))) {
-        let index = groups.iter().position(|group| group.takes(one)).unwrap_or_else(|| {
-            groups.push(Group {
-                stem: String::new(),
-                scene: &one.scene,
-                viewpoint: &one.viewpoint,
-                controls: Vec::new(),
-                configs: Vec::new(),
-                ray_sets: Vec::new(),
-            });
-            groups.len() - 1
-        });
-        let group = &mut groups[index];
-        match role {
-            Role::Control => group.controls.push(one),
-            Role::Tracer => group.configs.push(one),
+pub(super) fn groups<'a>(record: &'a Record) -> Vec<Group<'a>> {
+    let mut groups: Vec<Group<'a>> = Vec::new();
+    for first in record.rows.iter().chain(&record.controls) {
+        if groups.iter().any(|group| group.takes(first)) {
+            continue;
         }
-        for trace in &one.traces {
-            if !group.ray_sets.iter().any(|set| set.holds(trace)) {
-                group.ray_sets.push(RaySet {
-                    title: trace.rays.clone(),
-                    query: trace.query,
-                    count: trace.count,
-                    name: &trace.rays,
-                    sha256: &trace.rays_sha256,
-                });
-            }
-        }
-    }
-    for group in &mut groups {
-        let names: Vec<_> = group.ray_sets.iter().map(|set| set.name).collect();
-        for set in &mut group.ray_sets {
-            if names.iter().filter(|name| **name == set.name).count() > 1 {
-                set.title = format!("{} {}", set.name, format::hash_prefix(set.sha256));
-            }
-        }
+        let here = |row: &&Row| same_place(first, row);
+        let configs = record.rows.iter().filter(here).collect_vec();
+        let controls = record.controls.iter().filter(here).collect_vec();
+        let traces = configs.iter().chain(&controls).flat_map(|row| &row.traces);
+        let sets = traces.unique_by(|trace| (&trace.rays, &trace.rays_sha256, trace.query)).collect_vec();
+        let ray_set = |trace: &&'a TraceRecord| {
+            let TraceRecord { rays: name, rays_sha256: sha256, query, count, .. } = *trace;
+            let is_alone = sets.iter().filter(|other| other.rays == *name).count() == 1;
+            let title = if is_alone { name.clone() } else { format!("{name} {}", format::hash_prefix(sha256)) };
+            RaySet { title, query: *query, count: *count, name, sha256 }
+        };
+        let (scene, viewpoint, ray_sets) = (&first.scene, &first.viewpoint, sets.iter().map(ray_set).collect());
+        groups.push(Group { stem: String::new(), scene, viewpoint, controls, configs, ray_sets });
     }
     let told: Vec<_> =
         groups.iter().map(|each| [&*each.scene.name, &*each.scene.sha256, &*each.viewpoint.name]).collect();

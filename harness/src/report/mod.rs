@@ -44,18 +44,12 @@ use std::path::{Path, PathBuf};
 use liblzma::bufread::XzDecoder;
 use serde::Deserialize;
 
-pub use attack::ATTACK_PAGE;
 pub use chart::without_images;
 pub use check::check;
 pub use compare::comparison_text;
 pub use error::ReportError;
-pub use explain::EXPLAIN_PAGE;
-pub use frames::FRAMES_PAGE;
 pub use html::{Claims, MAX_BYTES, Makers, Page, page as html_page, quoted};
-pub use need::NEED_PAGE;
-pub use pareto::PARETO_PAGE;
-pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
-pub use sweep::SWEEP_PAGE;
+pub use stability::matrix as stability_matrix;
 pub use tables::flat_table;
 pub use terminal::run_table;
 
@@ -281,9 +275,9 @@ fn of_run(record: &Record, of_table: Tables) -> Result<Report, ReportError> {
     Ok(summary.and(of_table(record)?).and(sweep))
 }
 
-/// Where the table of a folder stands.
-pub fn table_page(name: &str, directory: &Path) -> PathBuf {
-    directory.join(format!("{}.md", peers::stem(name)))
+/// The page of a table.
+pub fn table_page(name: &str) -> String {
+    format!("table_{}.md", name.replace('-', "_"))
 }
 
 /// The most bytes of a record's JSON that are read, packed or not: fifteen times those of the largest record that is known.

@@ -17,9 +17,6 @@ use super::{Report, metrics, rows, summary};
 use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord, values_label};
 use crate::studies::need::{Axis, Curve, OfTracer, Outcome, Step, Thumb, Transfer, Tried, curves, rules, transfers};
 
-/// The page.
-pub const NEED_PAGE: &str = "need.md";
-
 /// The least that is drawn, as a part of the limit: a logarithm has no place for structures whose answers got better.
 const MIN_DRAWN: f64 = 0.1;
 
@@ -42,7 +39,7 @@ pub(super) fn report(record: &Record) -> Option<Report> {
     let of_rows = rows(record, &groups(record), of_steps(Sheet::new()), |(.., (.., trace))| {
         steps().find(|(_, step)| step.trace.is_some_and(|own| ptr::eq(own, *trace)))
     });
-    Some(Report::of_page(NEED_PAGE, page(record, section, &curves)).and(of_rows))
+    Some(Report::of_page("need.md", page(record, section, &curves)).and(of_rows))
 }
 
 /// Curves by scene, in the order of first appearance.

@@ -27,12 +27,7 @@ pub(crate) fn report(table: &Table, record: &Record) -> Report {
     let is_held = |label: &str| table.holds(label.split([':', ' ']).next().unwrap_or_default());
     record.skipped.retain(|one| one.tracer.as_deref().is_none_or(is_held));
     let groups = groups(&record);
-    Report::of_page(format!("{}.md", stem(table.name)), page(table, &record, &groups)).and(besides_of_rows)
-}
-
-/// What the files of a table are called, without their ends.
-pub(crate) fn stem(name: &str) -> String {
-    format!("table_{}", name.replace('-', "_"))
+    Report::of_page(super::table_page(table.name), page(table, &record, &groups)).and(besides_of_rows)
 }
 
 /// How many times as fast as the reference, both by the host's clock.

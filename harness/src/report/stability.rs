@@ -11,9 +11,6 @@ use crate::cases;
 use crate::results::{CaseRecord, DifficultyLevel, ExpectationRecord, Provenance, Record, Skipped};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
-/// The file with the matrix.
-pub const STABILITY_TABLE: &str = "stability.md";
-
 /// The chart, without its end.
 const CHART: &str = "error_vs_difficulty";
 
@@ -64,7 +61,7 @@ pub(super) fn difficulty_value(value: f64) -> String {
 
 /// What is made of a run of cases: page and chart.
 pub(super) fn report(record: &Record) -> Option<Report> {
-    Some(Report::of_page(STABILITY_TABLE, page(&Stability::of(record)?, footprint_of_many(&record.rows))))
+    Some(Report::of_page("stability.md", page(&Stability::of(record)?, footprint_of_many(&record.rows))))
 }
 
 fn page(stability: &Stability, footprint: Option<String>) -> Document {

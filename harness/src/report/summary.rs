@@ -22,8 +22,8 @@ use super::surfaces;
 use super::verdict;
 use crate::judge::REFERENCE_PIXELS;
 use crate::results::{
-    Classes, CounterRecord, InterleavedSetRecord, Judgement, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped,
-    StopReason, TraceRecord, TracerRecord, ViewpointRecord,
+    Classes, CounterRecord, InterleavedSetRecord, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped, StopReason,
+    TraceRecord, TracerRecord, ViewpointRecord,
 };
 
 /// How many causes a row names.
@@ -267,10 +267,9 @@ fn builds(group: &Group<'_>) -> Document {
 fn ray_set(place: Place<'_>) -> Document {
     let Place { group, set, .. } = place;
     let rows = group.traces(set);
-    let many_ambiguous_rays = rows.iter().any(|(_, _, trace)| many_ambiguous_rays(&trace.judgement));
-    let many_ambiguous_rays =
-        if many_ambiguous_rays { "**More than one ray in a thousand is ambiguous.**" } else { "" };
-    let page = set.headed(3, surfaces::heading(&rows)).paragraph(many_ambiguous_rays).paragraph(coverage(&rows));
+    let many_ambiguous = rows.iter().any(|(.., trace)| trace.judgement.has_many_ambiguous());
+    let many_ambiguous = if many_ambiguous { "**More than one ray in a thousand is ambiguous.**" } else { "" };
+    let page = set.headed(3, surfaces::heading(&rows)).paragraph(many_ambiguous).paragraph(coverage(&rows));
     let page = match set.query {
         Query::Closest => page.and(closest_tables(&rows)),
         Query::Any => {
@@ -385,13 +384,6 @@ pub(crate) fn skipped(skipped: &[Skipped]) -> Document {
         .column("reason", |each| each.reason.clone());
     let page = Document::default().heading(2, "Skipped");
     if once.is_empty() { page.paragraph("Nothing.") } else { page.table(sheet.table(&once)) }
-}
-
-fn many_ambiguous_rays(judgement: &Judgement) -> bool {
-    match judgement {
-        Judgement::Closest(judgement) => judgement.many_ambiguous_rays,
-        Judgement::Any(judgement) => judgement.many_ambiguous_rays,
-    }
 }
 
 #[cfg(test)]

@@ -22,9 +22,6 @@ use crate::studies::sweep::RESOLUTION;
 use crate::studies::tune::{Label, SetTuned, Tuning};
 use choices::Tried;
 
-/// The page of a sweep.
-pub const SWEEP_PAGE: &str = "sweep.md";
-
 /// What the names of a sweep's charts begin with.
 pub(in crate::report) const STEM: &str = "sweep_";
 
@@ -135,7 +132,7 @@ pub(super) fn report(record: &Record, sweep: &SweepRecord, groups: &[Group<'_>])
         Some((point, tuned))
     };
     let page = page(record, sweep, &views(sweep, groups, tuning.as_ref()), tuning.as_ref());
-    Report::of_page(SWEEP_PAGE, page).and(rows(record, groups, own, |(.., (_, row, trace))| tried(row, trace)))
+    Report::of_page("sweep.md", page).and(rows(record, groups, own, |(.., (_, row, trace))| tried(row, trace)))
 }
 
 /// What is made of a sweep by which a value is chosen: nothing was timed, and of its run alone there is nothing else to show.

@@ -13,7 +13,7 @@ use super::html::called;
 use super::metrics::{METRICS, Metric, with_ambiguous};
 use super::sheet::{Cell, Column, Columns, Sheet, Table, csv};
 use super::{Report, ReportError, Study, read_run};
-use crate::results::{Judgement, Record, Row, TraceRecord, WrongRay};
+use crate::results::{Record, Row, WrongRay};
 
 /// A row of a record in its place.
 pub(super) type Placed<'a> = (&'a Group<'a>, &'a RaySet<'a>, TableRow<'a>);
@@ -108,7 +108,7 @@ pub fn flat_table(paths: &[PathBuf], say: impl Fn(&str)) -> Result<Vec<u8>, Repo
 fn wrong_rays(groups: &[Group<'_>]) -> Table {
     type Wrong<'a> = (TableRow<'a>, &'a WrongRay);
     let rows: Vec<Wrong<'_>> =
-        placed(groups).flat_map(|(.., row)| wrong_rays_of(row.2).iter().map(move |ray| (row, ray))).collect();
+        placed(groups).flat_map(|(.., row)| row.2.judgement.wrong_rays().iter().map(move |ray| (row, ray))).collect();
     let single = |value: f32| format!("{value:?}");
     let vector = |names: [&'static str; 3], of: fn(&WrongRay) -> [f32; 3]| {
         let part = |axis: usize| Column::csv(names[axis], move |(_, ray): &Wrong<'_>| single(of(ray)[axis]));
@@ -141,13 +141,6 @@ fn placed<'a>(groups: &'a [Group<'a>]) -> impl Iterator<Item = Placed<'a>> {
     let of_set =
         |(group, set): (&'a Group<'a>, &'a RaySet<'a>)| group.traces(set).into_iter().map(move |row| (group, set, row));
     groups.iter().flat_map(|group| group.ray_sets.iter().map(move |set| (group, set))).flat_map(of_set)
-}
-
-fn wrong_rays_of(trace: &TraceRecord) -> &[WrongRay] {
-    match &trace.judgement {
-        Judgement::Closest(judgement) => &judgement.wrong_rays,
-        Judgement::Any(judgement) => &judgement.wrong_rays,
-    }
 }
 
 /// What only some rows have; all of a table must have the same.

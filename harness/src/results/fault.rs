@@ -175,7 +175,7 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Sound {
     must(at, "judgement.by_status", judged <= *count && right, "of no more rays than there are")?;
     let at = &*format!("{at}.judgement");
     let is_any = trace.query == Query::Any;
-    let wrong_rays = match judgement {
+    match judgement {
         Judgement::Closest(judged) => {
             let accuracies = judgement.accuracies(*count);
             let field = |rule: Rule| format!("agreement.{}", rule.name());
@@ -201,18 +201,16 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Sound {
                 must(at, &field(rule), share.is_none_or(|share| off(share) <= ROUNDING), "that of its `classes`")?;
             }
             must(at, "classes", !is_any, "`occlusion`: its rays ask for any hit")?;
-            &judged.wrong_rays
         }
         Judgement::Any(judged) => {
             let table = &judged.occlusion;
             let share = holds(table.balanced_accuracy_interval, table.balanced_accuracy);
             must(at, "occlusion.balanced_accuracy", share, "in its interval")?;
             must(at, "occlusion", is_any, "`classes`: its rays ask for the closest hit")?;
-            &judged.wrong_rays
         }
-    };
+    }
     must(at, "ambiguous_rays", judgement.ambiguous() <= *count, "no more than `count`")?;
-    must(at, "wrong_rays", wrong_rays.iter().all(|ray| ray.index < *count), "of an `index` below `count`")
+    must(at, "wrong_rays", judgement.wrong_rays().iter().all(|ray| ray.index < *count), "of an `index` below `count`")
 }
 
 /// Whether an interval holds a share. One that is not there holds every share.

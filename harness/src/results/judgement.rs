@@ -44,13 +44,25 @@ impl<'de> Deserialize<'de> for Judgement {
     }
 }
 
+/// What both kinds of verdicts have.
+macro_rules! of_either {
+    ($judgement:expr, $one:ident => $what:expr) => {
+        match $judgement {
+            Judgement::Closest($one) => $what,
+            Judgement::Any($one) => $what,
+        }
+    };
+}
+
 impl Judgement {
     /// Ambiguous rays.
     pub fn ambiguous(&self) -> u64 {
-        match self {
-            Self::Closest(closest) => closest.ambiguous_rays,
-            Self::Any(any) => any.ambiguous_rays,
-        }
+        of_either!(self, one => one.ambiguous_rays)
+    }
+
+    /// Whether they exceed 1e-3 of the set.
+    pub fn has_many_ambiguous(&self) -> bool {
+        of_either!(self, one => one.many_ambiguous_rays)
     }
 
     /// Whether ambiguous rays are in its shares.
@@ -67,11 +79,13 @@ impl Judgement {
     }
 
     /// The wrong rays that are kept.
+    pub fn wrong_rays(&self) -> &[WrongRay] {
+        of_either!(self, one => &one.wrong_rays)
+    }
+
+    /// The same, to be changed.
     pub fn wrong_rays_mut(&mut self) -> &mut Vec<WrongRay> {
-        match self {
-            Self::Closest(closest) => &mut closest.wrong_rays,
-            Self::Any(any) => &mut any.wrong_rays,
-        }
+        of_either!(self, one => &mut one.wrong_rays)
     }
 
     /// Why shares of right answers say nothing, where truth leaves a tracer that never hits, or always, nothing to get wrong: no ray
@@ -119,18 +133,12 @@ impl Judgement {
 
     /// Right answers by the status that the tracer gave; none in records from before they were counted.
     pub fn by_status(&self) -> &BTreeMap<String, StatusCounts> {
-        match self {
-            Self::Closest(closest) => &closest.by_status,
-            Self::Any(any) => &any.by_status,
-        }
+        of_either!(self, one => &one.by_status)
     }
 
     /// Why rays are wrong.
     pub fn causes(&self) -> &Causes {
-        match self {
-            Self::Closest(closest) => &closest.causes,
-            Self::Any(any) => &any.causes,
-        }
+        of_either!(self, one => &one.causes)
     }
 }
 

@@ -1,12 +1,14 @@
 //! Shards of one plan joined into one record.
 
+use itertools::Itertools as _;
+
 use super::{FrameSeries, Provenance, Record, Row, ShardRecord};
 
 /// Joins all shards of a plan, each with a name for messages. Rows are in the order of shards; each keeps its machine.
 ///
 /// # Errors
 /// Why they are not all shards of one plan by one program, each once.
-pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, String> {
+pub fn merge(shards: Vec<(String, Record)>) -> Result<Record, String> {
     let no_shard = |name: &str| format!("{name} is no shard: it was not made by --shard");
     let part = |(name, record): &(String, Record)| record.provenance.shard.clone().ok_or_else(|| no_shard(name));
     let parts = shards.iter().map(part).collect::<Result<Vec<ShardRecord>, String>>()?;
@@ -33,16 +35,14 @@ pub fn merge(mut shards: Vec<(String, Record)>) -> Result<Record, String> {
         };
         return Err(format!("shard {index} of {} is {problem}", first.count));
     }
-    shards.sort_by_key(|(_, record)| record.provenance.shard.as_ref().map_or(0, |shard| shard.index));
-    let mut shards = shards.into_iter().map(|(_, record)| record);
-    let Some(mut whole) = shards.next() else { return Err("no records to join".to_owned()) };
-    let id =
-        |record: &Record| record.provenance.shard.as_ref().map_or_else(String::new, |shard| shard.machine_id.clone());
-    let mut machines = vec![(whole.provenance.machine.clone(), id(&whole))];
+    let parts = shards.into_iter().zip(parts).sorted_by_key(|(_, part)| part.index);
+    let mut shards = parts.map(|((_, record), part)| (record, part.machine_id));
+    let Some((mut whole, id)) = shards.next() else { return Err("no records to join".to_owned()) };
+    let mut machines = vec![(whole.provenance.machine.clone(), id)];
     whole.provenance.shard = None;
-    for shard in shards {
+    for (shard, id) in shards {
         // Two machines of one kind are two machines.
-        let own = (shard.provenance.machine.clone(), id(&shard));
+        let own = (shard.provenance.machine.clone(), id);
         let known = machines.iter().position(|other| *other == own);
         let place = known.unwrap_or_else(|| {
             whole.provenance.further_machines.push(own.0.clone());

@@ -7,7 +7,7 @@ use tracebench_api::Preset;
 use crate::plan::{Plan, ViewRequest};
 use crate::registry;
 use crate::report::document::Document;
-use crate::report::metrics::wrong_tight;
+use crate::report::metrics::{Traced, wrong_tight};
 use crate::report::sheet::{Cell, Sheet};
 use crate::report::summary;
 use crate::results::{Record, Row, TraceRecord};
@@ -40,9 +40,6 @@ pub fn fault(record: &Record) -> Option<String> {
     (wrong > 0).then(|| format!("{wrong} rays are wrong under `tight`"))
 }
 
-/// A tracer with one of its traces.
-type TableRow<'a> = (&'a Row, &'a TraceRecord);
-
 /// Rays, wrong rays under `tight` and ambiguous rays of some traces.
 fn counts<'a>(traces: impl IntoIterator<Item = &'a TraceRecord>) -> [u64; 3] {
     let of =
@@ -53,11 +50,11 @@ fn counts<'a>(traces: impl IntoIterator<Item = &'a TraceRecord>) -> [u64; 3] {
 
 /// Its page below a title.
 pub(super) fn page(record: &Record, title: &str) -> Document {
-    let rows: Vec<TableRow<'_>> =
+    let rows: Vec<Traced<'_>> =
         record.rows.iter().flat_map(|row| row.traces.iter().map(move |trace| (row, trace))).collect();
     let [count, wrong, ambiguous_rays] = counts(rows.iter().map(|(_, trace)| *trace));
     let told = |count: u64| Cell::Count(count).describe();
-    let by_view = Sheet::<&Row>::new()
+    let by_view = Sheet::<Row>::new()
         .column("scene", |row| Cell::Name(row.scene.name.clone()))
         .column("viewpoint", |row| Cell::Name(row.viewpoint.name.clone()))
         .column("tracer", |row| row.label())
@@ -65,13 +62,13 @@ pub(super) fn page(record: &Record, title: &str) -> Document {
         .column("rays", |row| counts(&row.traces)[0])
         .column("wrong ↓", |row| counts(&row.traces)[1])
         .column("ambiguous", |row| counts(&row.traces)[2]);
-    let by_set = Sheet::<TableRow<'_>>::new()
+    let by_set = Sheet::<Traced<'_>>::new()
         .column("scene", |(row, _)| Cell::Name(row.scene.name.clone()))
         .column("viewpoint", |(row, _)| Cell::Name(row.viewpoint.name.clone()))
         .column("tracer", |(row, _)| row.label())
         .column("rays", |(_, trace)| trace.rays.clone())
         .column("wrong of", |(_, trace)| counts([*trace])[..2].iter().rev().map(|count| told(*count)).join(" of "));
-    let wrong_sets: Vec<TableRow<'_>> = rows.iter().filter(|(_, trace)| counts([*trace])[1] > 0).copied().collect();
+    let wrong_sets: Vec<Traced<'_>> = rows.iter().filter(|(_, trace)| counts([*trace])[1] > 0).copied().collect();
     let words = format!(
         "**{} of {} rays are wrong under `tight`**, ambiguous ones included; {} are ambiguous.",
         told(wrong),
@@ -81,7 +78,7 @@ pub(super) fn page(record: &Record, title: &str) -> Document {
     summary::head(record, title)
         .paragraph(words)
         .heading(2, "By viewpoint")
-        .table(by_view.table(&record.rows.iter().collect::<Vec<_>>()))
+        .table(by_view.table(&record.rows))
         .below("Sets with wrong rays:", by_set.table(&wrong_sets))
         .and(summary::skipped(&record.skipped))
 }

@@ -90,7 +90,7 @@ impl Table {
             Self::Settings(table) => report::peers::report(table, record),
             Self::Exact => {
                 let page = exact::page(record, &format!("Table {}: {}", self.name(), self.summary()));
-                Report::of_page(format!("{}.md", report::peers::stem(self.name())), page)
+                Report::of_page(report::table_page(self.name()), page)
             }
             Self::Paper(paper, experiment) => papers::report(paper, experiment, record)?,
             Self::Claims(paper) => papers::claims_report(paper, std::slice::from_ref(record))?,

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use itertools::Itertools as _;
 use serde::{Deserialize, Serialize};
 use tracebench_api::{AdapterChoice, Gpu};
 
@@ -18,7 +19,7 @@ use crate::files::{self, OutputFolder};
 use crate::launch;
 use crate::plan::{RUN_PRESETS, RunPreset};
 use crate::progress::{self, Progress};
-use crate::report::{self, sheet::Sheet};
+use crate::report::{self, PAGE_FILE, sheet::Sheet};
 use turn::{Turn, wait_while};
 
 #[derive(Args)]
@@ -101,9 +102,6 @@ struct Reproduction {
 /// The file of [`Reproduction`].
 const FILE: &str = "reproduce.json";
 
-/// The one page of all that was measured.
-const ANSWER: &str = report::PAGE_FILE;
-
 /// Kept for the report, share of the time that is given, and at most.
 const REPORT_SHARE: f64 = 0.05;
 const MAX_REPORT: Duration = Duration::from_secs(15);
@@ -133,7 +131,7 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         ));
     }
     let earlier = if is_begun { Some(read(out)?) } else { None };
-    folder.check_all(|name| [FILE, ANSWER, PAGE].contains(&name)).inspect_err(|_| folder.abandon())?;
+    folder.check_all(|name| [FILE, PAGE_FILE, PAGE].contains(&name)).inspect_err(|_| folder.abandon())?;
     if !is_begun {
         refuse_another(out, None)?;
     }
@@ -220,8 +218,8 @@ fn pages(of: &Reproduction, out: &OutputFolder, took: Duration, progress: &Progr
     let folders = of.steps.iter().map(|one| out.path().join(&one.name));
     let records: Vec<PathBuf> = folders.filter(|folder| report::read_run(folder).is_ok()).collect();
     if !records.is_empty() {
-        let answer = out.path().join(ANSWER);
-        records::write_page(&answer, (out, ANSWER), &records, missing(of), progress)?;
+        let answer = out.path().join(PAGE_FILE);
+        records::write_page(&answer, (out, PAGE_FILE), &records, missing(of), progress)?;
         written.push(answer);
     }
     Ok(written)
@@ -240,10 +238,8 @@ fn write_list(found: &Reproduction, out: &OutputFolder, took: Duration) -> Resul
 /// The pages in a step's folder, in the order of their names.
 fn pages_in(folder: &Path) -> Vec<String> {
     let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut pages: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    pages.retain(|name| name.ends_with(".md"));
-    pages.sort();
-    pages
+    let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.ends_with(".md")).sorted().collect()
 }
 
 fn list(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Step) -> Vec<String>) -> String {
@@ -263,8 +259,8 @@ fn list(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Step) -
         })
         .column("took (s)", |step| format!("{:.0}", step.took_s))
         .column("pages", |step| {
-            let links = pages(step).into_iter().map(|page| format!("[{page}]({}/{page})", step.name));
-            links.collect::<Vec<_>>().join(", ")
+            let link = |page: String| format!("[{page}]({}/{page})", step.name);
+            pages(step).into_iter().map(link).join(", ")
         })
         .column("by itself", |step| command(step));
     let (left, taken): (Vec<&Step>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);

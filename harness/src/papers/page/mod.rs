@@ -12,7 +12,7 @@ use super::{Experiment, Paper, PublishedTable, Rows, judge, with_rows};
 use crate::files;
 use crate::report::chart::series::series;
 use crate::report::document::Document;
-use crate::report::{Report, ReportError, peers, summary};
+use crate::report::{self, Report, ReportError, summary};
 use crate::results::{Record, Row};
 
 /// What the sections and charts of a page are made from.
@@ -64,11 +64,8 @@ pub(crate) fn report(paper: &'static Paper, experiment: &Experiment, record: &Re
         .and(claims::section(&judged))
         .and(summary::skipped(&record.skipped));
     let verdicts = format!("verdicts_{}.json", experiment.name.replace('-', "_"));
-    Ok(Report {
-        pages: vec![(format!("{}.md", peers::stem(experiment.name)), document)],
-        data: vec![(verdicts.clone(), files::json(&verdicts, &judged)?)],
-        ..Report::default()
-    })
+    let data = vec![(verdicts.clone(), files::json(&verdicts, &judged)?)];
+    Ok(Report { data, ..Report::of_page(report::table_page(experiment.name), document) })
 }
 
 /// What deviates from the paper, and which scenes stand for its own.

@@ -26,7 +26,7 @@ use super::group::{Group, RaySet};
 use super::metrics::BALANCED;
 use super::verdict;
 use super::{Contents, ReportError};
-use crate::results::{Provenance, Record, Row, SceneRecord};
+use crate::results::{Record, Row, SceneRecord};
 use crate::studies::pareto::Field;
 pub(super) use canvas::SCALE;
 pub use canvas::without_images;
@@ -91,7 +91,7 @@ fn field_title(what: &str, field: &Field<'_>) -> String {
 /// Where and by what figures of fronts were made.
 fn fronts_caption(record: &Record) -> String {
     let clock = "Times by the host's clock, of work on a device from submission until done.";
-    format!("{clock} {}", untimed_caption(&record.provenance, &record.preset))
+    format!("{clock} {}", caption_with(record, ""))
 }
 
 /// Where, from what and how often a group was measured.
@@ -110,7 +110,7 @@ fn caption(record: &Record, group: &Group<'_>) -> String {
         [clock] => format!("; clock: {clock}"),
         several => format!("; clocks: {} (times of different clocks do not compare)", several.join(", ")),
     };
-    caption_with(&record.provenance, &record.preset, &format!("; {samples}{clocks}"))
+    caption_with(record, &format!("; {samples}{clocks}"))
 }
 
 /// The clocks that timed a group's configurations.
@@ -119,12 +119,9 @@ fn clocks(group: &Group<'_>) -> Vec<&'static str> {
     traces.map(|trace| format::clock(trace.times.clock)).unique().collect()
 }
 
-/// Where and by what figures were made that are no times.
-fn untimed_caption(from: &Provenance, preset: &str) -> String {
-    caption_with(from, preset, "")
-}
-
-fn caption_with(from: &Provenance, preset: &str, more: &str) -> String {
+/// Where and by what figures were made, and more.
+fn caption_with(record: &Record, more: &str) -> String {
+    let Record { provenance: from, preset, .. } = record;
     let smoke = if preset == "smoke" { " (figures only show that things work)" } else { "" };
     let commit = format::commit(&from.commit, from.dirty);
     // The machine last: its name is the one that can be too long for the page.

@@ -3,12 +3,12 @@
 
 use itertools::Itertools as _;
 
+use super::caption_with;
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Chart, Entry, Sample};
 use super::palette::{PLAIN, Styles};
 use super::panel::{Aside, Axis, Mark, Panel, Scale};
 use super::scale::log_range;
-use super::untimed_caption;
 use crate::results::Record;
 
 /// Radius of the markers of errors.
@@ -65,7 +65,7 @@ fn series_of(record: &Record, chart: &SeriesChart, tracer: Option<&str>) -> Char
         vec![Entry::new(Sample::Line(PLAIN), solid), Entry::new(Sample::Hollow(PLAIN), format!("{dashed} (dashed)"))]
     });
     let titles = [chart.title.clone(), chart.subtitle.clone()];
-    let caption = untimed_caption(&record.provenance, &record.preset);
+    let caption = caption_with(record, "");
     let panels = panels().map(|each| panel(each, &styles)).collect();
     Chart::new(panels, titles, caption, [styles.legend(Sample::Line), key])
 }
@@ -107,7 +107,7 @@ pub(in crate::report) fn errors(record: &Record, titles: [String; 2], time: &str
             note: points.is_empty().then_some("no tracer was timed"),
         }
     };
-    let caption = untimed_caption(&record.provenance, &record.preset);
+    let caption = caption_with(record, "");
     let legends = [styles.legend(Sample::Filled), Vec::new()];
     Chart::new(errors.iter().map(panel).collect(), titles, caption, legends)
 }

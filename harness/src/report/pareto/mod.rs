@@ -10,9 +10,6 @@ use super::{Report, format, metrics, rows};
 use crate::results::{FrontScene, ParetoRecord, Record};
 use crate::studies::pareto::{Amount, Cost, Field, fields};
 
-/// The page.
-pub const PARETO_PAGE: &str = "pareto.md";
-
 /// What the names of its charts begin with.
 pub(super) const STEM: &str = "pareto_";
 
@@ -38,12 +35,11 @@ pub(super) fn report(record: &Record) -> Option<Report> {
     let standings: Vec<_> = fields().map(|field| (field, csv::standings(field))).collect();
     let groups = groups(record);
     Some(rows(record, &groups, csv::points(section), |(.., (.., trace))| csv::point(&standings, trace)).and(Report {
-        pages: vec![(PARETO_PAGE.to_owned(), page::page(record, section, &shown))],
         tables: vec![
             ("operating_points.csv".to_owned(), csv::operating(fields())),
             ("break_even.csv".to_owned(), csv::break_even_counts(fields())),
         ],
-        ..Report::default()
+        ..Report::of_page("pareto.md", page::page(record, section, &shown))
     }))
 }
 

@@ -6,15 +6,13 @@ mod images;
 mod points;
 mod watch;
 
-use std::collections::BTreeSet;
-
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use itertools::Itertools as _;
 use serde::{Deserialize, Serialize};
 use tracebench_api::{Preset, Query, Update};
 
 use crate::measure::{self, Context, MovingFrames, RunError, records};
-use crate::plan::{Plan, TracerRequest};
+use crate::plan::{Plan, TracerRequest, within};
 use crate::registry::{Family, Registration};
 use crate::render::Effect;
 use crate::results::{FrameSeries, FramesRecord, InterleavedSetRecord, MovingScene, Record, Skipped};
@@ -62,28 +60,44 @@ pub enum PathsOf {
 }
 
 /// What is asked for beside a plan, whose ray sets are traced in place of effects where there are none of these.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FramesRequest {
-    /// What is rendered.
+    /// Effects to render, with commas: depth, normals, primary (direct light), ao, mirror, diffuse (one bounce), path; primary if neither
+    /// these nor ray sets are given.
+    #[arg(long = "effect", value_name = "E,...", value_delimiter = ',', conflicts_with = "rays", value_parser = effect)]
     pub effects: Vec<Effect>,
-    /// Frames.
+    /// Frames; 1 is a picture.
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub frames: u32,
-    /// Frames a second.
+    /// Frames a second, of the animation and of the camera's path.
+    #[arg(long, value_name = "F", default_value_t = 24.0,
+          value_parser = within(1e-3..=1e6, "a number of frames a second from 0.001 to 1000000"))]
     pub fps: f64,
     /// Samples a pixel.
+    #[arg(long, value_name = "N", default_value_t = 4, conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(1..=256))]
     pub spp: u32,
     /// What moves.
+    #[arg(long = "move", value_enum, default_value_t = Moves::Both)]
     #[serde(rename = "move")]
     pub moves: Moves,
-    /// How structures follow.
+    /// How structures are brought up to date in every frame.
+    #[arg(long, value_enum, default_value_t = Updates::Auto)]
     pub update: Updates,
-    /// Whose hits paths go on from.
+    /// Whose hits the paths of an effect go on from. On own ones one of eight rays behind the first wave is judged, else all.
+    #[arg(long, value_enum, default_value_t = PathsOf::Own, conflicts_with = "rays")]
     pub paths: PathsOf,
-    /// From which frame on the camera is at the second pose.
+    /// The camera jumps to another viewpoint in this frame, counted from 0, and stays there.
+    #[arg(long, value_name = "FRAME", value_parser = clap::value_parser!(u32).range(1..))]
     pub cut: Option<u32>,
-    /// Whether every frame has the rays of the first.
+    /// Trace the rays of the first frame in every frame, judged from its eye: only the viewpoints of structures change.
+    #[arg(long, requires = "rays")]
     pub fixed_rays: bool,
+}
+
+fn effect(name: &str) -> Result<Effect, String> {
+    let found = Effect::ALL.into_iter().find(|effect| effect.name() == name);
+    found.ok_or_else(|| format!("no effect '{name}'; there are: {}", Effect::ALL.map(Effect::name).join(", ")))
 }
 
 /// A word of a choice, as the command line has it.
@@ -136,8 +150,7 @@ impl FramesRequest {
         for effect in &self.effects {
             let why: Vec<Option<String>> = tracers.iter().map(|tracer| self.unserved(tracer, Some(*effect))).collect();
             if why.iter().all(Option::is_some) {
-                let why: BTreeSet<String> = why.into_iter().flatten().collect();
-                let why = why.into_iter().collect::<Vec<_>>().join("; ");
+                let why = why.into_iter().flatten().sorted().dedup().join("; ");
                 return Err(format!("effect {}: no tracer of --tracer serves it ({why})", effect.name()));
             }
         }

@@ -154,11 +154,8 @@ pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Record, RunError> {
         let tracer = Some(format!("{} {}", curve.tracer, point.label()).trim_end().to_owned());
         Some(Skipped { tracer, scene: curve.scene.clone(), rays: None, reason: point.skipped.clone()? })
     }));
-    if record.rows.is_empty() && context.shard.is_none() {
-        return Err(measure::nothing(&record));
-    }
     record.need = Some(section);
-    Ok(record)
+    measure::filled(record, context)
 }
 
 /// One tracer in one scene from one viewpoint.
@@ -234,19 +231,13 @@ fn place(
     let sets: Vec<(String, Vec<Option<ChangedRays>>)> = found.take_hooked()?;
     let point = |(place, each): (usize, &Shrunk)| {
         let Shrunk { values, request } = each;
+        let (shrunk, parameters) = (values.clone(), records::json_values(&request.parameters));
         let Resolution { frame, face } =
             request.resolution.unwrap_or(Resolution { frame: plan.preset.frame, face: plan.preset.face });
         let of = |(rays, all): &(String, Vec<Option<ChangedRays>>)| Some((rays.clone(), (*all.get(place)?)?));
         let changed: BTreeMap<String, ChangedRays> = sets.iter().filter_map(of).collect();
-        let refused = found.rows.get(place).and_then(|row| row.as_ref().err()).map(|refusal| refusal.reason.clone());
-        NeedPoint {
-            shrunk: values.clone(),
-            parameters: records::json_values(&request.parameters),
-            frame,
-            face,
-            skipped: refused,
-            changed,
-        }
+        let skipped = found.rows.get(place).and_then(|row| row.as_ref().err()).map(|refusal| refusal.reason.clone());
+        NeedPoint { shrunk, parameters, frame, face, skipped, changed }
     };
     let points = structures.iter().enumerate().map(point).collect();
     Ok((found, points))

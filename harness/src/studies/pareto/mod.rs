@@ -15,7 +15,9 @@ pub(super) mod pictures;
 mod tests;
 mod verdicts;
 
+use clap::Args;
 use itertools::Itertools as _;
+use serde::Serialize;
 use tracebench_api::Update;
 
 pub use break_even::{BEYOND, BreakEven, Fit, FrameCost, Motion, Stretch, break_even, stretches};
@@ -27,7 +29,7 @@ pub use verdicts::{Class, ClassCost, classes, contested};
 
 use crate::measure::session::{PreparedRays, Session};
 use crate::measure::{self, Context, MeasureOptions, Measured, Observations, RunError};
-use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
+use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest, within};
 use crate::rays::between_samples;
 use crate::results::{
     FrontScene, HeldOutRecord, ParetoRecord, Record, Row, STILL_REFIT, SetPictures, Skipped, UpdateModeRecord,
@@ -35,10 +37,7 @@ use crate::results::{
 use crate::studies::sweep::SweepError;
 
 /// Points that a tracer is given where nothing is said.
-pub const DEFAULT_POINTS: usize = 8;
-
-/// The most points that a tracer may be given.
-pub const MAX_POINTS: usize = 256;
+pub const DEFAULT_POINTS: u32 = 8;
 
 /// Rays a pixel of which the time of a frame is told where nothing is said.
 pub const RAYS_PER_PIXEL: [f64; 2] = [1.0, 16.0];
@@ -57,18 +56,16 @@ pub(crate) const FURTHER_SEED: u64 = 2;
 const PLACES: usize = 4 + SMALLER_IMAGES.len();
 
 /// How much of a front there is to be.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Args, Serialize)]
 pub struct Extent {
-    /// The most points of a tracer.
-    pub max_points: usize,
-    /// Rays a pixel of which the time of a frame is told.
+    /// The most points of a tracer, over its parameters and resolutions; fewer are the first of more.
+    #[arg(long = "points", value_name = "N", default_value_t = DEFAULT_POINTS, allow_negative_numbers = true,
+          value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub max_points: u32,
+    /// Rays a pixel of which the time of a frame is told, with the build; several with commas.
+    #[arg(long, value_name = "K,K", value_delimiter = ',', default_values_t = RAYS_PER_PIXEL,
+          value_parser = within(0.001..=1e6, "a number of rays from 0.001 to 1000000"))]
     pub rays_per_pixel: Vec<f64>,
-}
-
-impl Default for Extent {
-    fn default() -> Self {
-        Self { max_points: DEFAULT_POINTS, rays_per_pixel: RAYS_PER_PIXEL.to_vec() }
-    }
 }
 
 /// Fronts that are ready to be measured.
@@ -85,8 +82,8 @@ impl Pareto {
     /// # Errors
     /// [`SweepError`] for a value that a parameter does not take.
     pub fn new(plan: &Plan, extent: &Extent) -> Result<Self, SweepError> {
-        let (points, requests) = points(&plan.tracers, plan.preset, extent.max_points)?;
-        let (max_points, rays_per_pixel) = (extent.max_points as u32, extent.rays_per_pixel.clone());
+        let (points, requests) = points(&plan.tracers, plan.preset, extent.max_points as usize)?;
+        let Extent { max_points, rays_per_pixel } = extent.clone();
         let section = ParetoRecord { max_points, rays_per_pixel, points, scenes: Vec::new() };
         Ok(Self { plan: plan.clone(), requests, section })
     }
@@ -116,11 +113,8 @@ impl Pareto {
         }
         let Measuring { section, mut record, .. } = measuring;
         record.skipped.extend(left_out(&section));
-        if record.rows.is_empty() && context.shard.is_none() {
-            return Err(measure::nothing(&record));
-        }
         record.pareto = Some(section);
-        Ok(record)
+        measure::filled(record, context)
     }
 }
 

@@ -260,7 +260,7 @@ fn chosen_points_are_measured_again() {
     let folder = tempfile::tempdir().unwrap();
     let results = Arc::new(OutputFolder::open(folder.path()).unwrap());
     let machine = crate::machine::this_machine(None);
-    let extent = Extent { max_points: 3, ..Extent::default() };
+    let extent = Extent { max_points: 3, rays_per_pixel: RAYS_PER_PIXEL.to_vec() };
     let words = serde_json::json!("the same");
     let measured = |journal: &Journal| {
         let context = Context::new(&none, &cache, &quiet, journal);

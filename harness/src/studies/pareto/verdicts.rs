@@ -4,7 +4,7 @@ use super::break_even::{Fit, FrameCost, Motion, Stretch, stretches};
 use super::field::{Amount, By, Entry, Field, is_at, on_host};
 use super::operating::{Aim, LEVELS, best};
 use super::refit;
-use crate::results::{MIN_ROUNDS, Record, Row, Timed, Times, TraceRecord};
+use crate::results::{Row, Timed, TraceRecord};
 use itertools::Itertools as _;
 
 /// What a point takes for a frame.
@@ -88,39 +88,14 @@ fn class_cost<'a>(field: &Field<'a>, entry: &Entry<'a>, motion: Motion) -> Optio
         Motion::Static => Amount::exact(0.0),
         Motion::Refitted | Motion::Rebuilt => on_host(structure.build.steady())?,
     };
-    let mut caveat = doubt_of(record, &traces);
+    // The clock of any, or a machine that was faster in one interleaved set.
+    let doubt = |one: &Timed<'_>, other: &Timed<'_>| Some(record.paired_on_host(one, other).caveat?.to_string());
+    let timed: Vec<Timed<'_>> = traces.iter().map(|(row, trace)| Timed::trace(row, trace)).collect();
+    let mut caveat = timed.windows(2).find_map(|pair| doubt(&pair[0], &pair[1]));
     if motion != Motion::Static {
-        caveat = caveat.or_else(|| doubt_of_times(record, structure.build.steady()));
+        let built = Timed::steady_build(structure);
+        caveat = caveat.or_else(|| doubt(&built, &built));
     }
     let cost = FrameCost { once, traces: fit, caveat };
     Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some() })
-}
-
-/// What speaks against traces that were timed in different interleaved sets: the clock of any, or a machine that was faster in one.
-fn doubt_of(record: &Record, traces: &[(&Row, &TraceRecord)]) -> Option<String> {
-    let alone = traces.iter().find_map(|(_, trace)| doubt_of_times(record, &trace.times));
-    alone.or_else(|| {
-        traces.windows(2).find_map(|pair| {
-            let [(row, trace), (other, beside)] = [pair[0], pair[1]];
-            let paired = record.paired_on_host(&Timed::trace(row, trace), &Timed::trace(other, beside));
-            paired.caveat.map(|caveat| caveat.to_string())
-        })
-    })
-}
-
-/// What speaks against times by themselves.
-fn doubt_of_times(record: &Record, times: &Times) -> Option<String> {
-    let rounds = times.samples_ms.len();
-    if let Some(why) = &times.invalid {
-        return Some(format!("times are invalid: {why}"));
-    }
-    if rounds < MIN_ROUNDS as usize {
-        return Some(format!("{rounds} rounds, fewer than {MIN_ROUNDS}"));
-    }
-    match record.interleaved_set(times) {
-        None => Some("the record does not tell of its interleaved sets".to_owned()),
-        Some(interleaved_set) => {
-            interleaved_set.drift.then(|| format!("drift: {} of {}", interleaved_set.work, interleaved_set.scene))
-        }
-    }
 }

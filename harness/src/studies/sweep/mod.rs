@@ -153,11 +153,8 @@ impl Sweep {
                 record.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
             }
         }
-        if record.rows.is_empty() && context.shard.is_none() {
-            return Err(measure::nothing(&record));
-        }
         (record.sweep, record.tuning) = (Some(self.record), self.tuning);
-        Ok(record)
+        measure::filled(record, context)
     }
 }
 
