@@ -27,7 +27,7 @@ pub(super) struct DoctorArguments {
     /// As one JSON object.
     #[arg(long, conflicts_with = "clock")]
     json: bool,
-    /// Try the clock: interleaved set a tracer against itself, and against itself with more to do, and count what is said.
+    /// Try the clock: time a tracer beside itself, and beside itself with more to do, and count what is said.
     #[arg(long, requires = "tracer")]
     clock: bool,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub(super) struct DoctorArguments {
 /// What `doctor` takes without `--clock`.
 const WITHOUT_CLOCK: [&str; 6] = ["json", "clock", "adapter", "limits", "quiet", "until_stdin_ends"];
 
-/// Ambiguous rays every option that is about the clock to `--clock`.
+/// Binds every option that is about the clock to `--clock`.
 pub(super) fn options(option: Arg) -> Arg {
     let is_free = WITHOUT_CLOCK.iter().any(|name| option.get_id() == name);
     if is_free { option } else { option.requires("clock") }

@@ -1,8 +1,8 @@
-//! The one place that measures: loads scenes, chooses poses, makes configurations, interleaved sets them, checks controls, keeps records.
+//! The one place that measures: loads scenes, chooses poses, makes configurations, times them in interleaved sets, checks controls, keeps records.
 //!
 //! What is asked comes as places with configurations, from a plain run or a study; what was found goes back as rows. A place is a
 //! scene from one viewpoint. Its configurations are raced in resident batches: only the structures of one resident batch are there at a
-//! time. A interleaved set, the builds of a resident batch or the traces of a ray set in it, is what is kept as soon as it ends.
+//! time. An interleaved set, the builds of a resident batch or the traces of a ray set in it, is what is kept as soon as it ends.
 
 pub mod controls;
 mod doubled_work;

@@ -42,7 +42,8 @@ pub fn check(
     faults.extend(command(folder, &record, parse));
     let bytes = fs::read(&file).map_err(|source| ReportError::Read(file.clone(), source))?;
     let line = format!("{}  {}", sha256_of(&bytes), file.file_name().unwrap_or_default().display());
-    if !fs::read_to_string(folder.join(LIST)).is_ok_and(|list| list.lines().any(|one| one == line)) {
+    // A folder without a list is told by what is made of its record alone.
+    if fs::read_to_string(folder.join(LIST)).is_ok_and(|list| !list.lines().any(|one| one == line)) {
         faults.push(format!("{LIST} does not list the record as it is: hand in both as written, or measure again"));
     }
     faults.extend(files(folder, &record, tables)?);

@@ -137,7 +137,7 @@ pub(super) fn faint(style: Style) -> Style {
 pub(in crate::report) fn fronts(field: &Field<'_>, by: By, is_wanted: impl Fn(Cost) -> bool) -> Chart {
     let title = |cost: Cost| match cost {
         Cost::Trace => "speed".to_owned(),
-        Cost::Build => "build time".to_owned(),
+        Cost::Build => "first build".to_owned(),
         Cost::Bytes => "bytes to trace".to_owned(),
         Cost::Frame(rays) => format!("frame of {}", rays_a_pixel(rays)),
     };
@@ -147,19 +147,19 @@ pub(in crate::report) fn fronts(field: &Field<'_>, by: By, is_wanted: impl Fn(Co
     chart(field, by, "Fronts", asked).in_columns(columns, PLOT_HEIGHT)
 }
 
-/// Those of speed over the points within budgets, the least first: at matched bytes and build time, where there are any.
+/// Those of speed over the points within budgets, the least first: at matched bytes and first build, where there are any.
 pub(in crate::report) fn matched(field: &Field<'_>, by: By) -> Option<Chart> {
     let within = |cost: Cost, budget: f64| {
         let read = significant(as_read(field, cost, Amount::exact(budget)).value, 2);
         let title = match cost {
             Cost::Bytes => format!("speed within {read} MiB"),
-            _ => format!("speed within a build of {read} ms"),
+            _ => format!("speed within a first build of {read} ms"),
         };
         (title, Cost::Trace, field.within(cost, budget))
     };
     let of_cost = |cost| field.budgets(cost).into_iter().map(move |budget| within(cost, budget));
     let asked: Vec<Asked<'_>> = [Cost::Bytes, Cost::Build].into_iter().flat_map(of_cost).collect();
-    let what = "Fronts at matched bytes and build time";
+    let what = "Fronts at matched bytes and first build";
     (!asked.is_empty()).then(|| chart(field, by, what, asked).in_columns(3, PLOT_HEIGHT))
 }
 

@@ -17,10 +17,10 @@ pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
 /// The row for zero.
 pub(super) const SHADE: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
 
-/// Colours that stay apart for most colour-blind readers: Okabe and Ito's, then darker ones after Tol.
-const COLOURS: [u32; 12] = [
+/// Colours that stay apart for most colour-blind readers: Okabe and Ito's, then darker ones after Tol, and a violet far from all of these.
+const COLOURS: [u32; 13] = [
     0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00, 0x332288, 0x882255, 0x117733, 0x999933, 0xAA4499,
-    0x661100,
+    0x661100, 0x8877FF,
 ];
 
 /// One of them, in turn.
@@ -44,7 +44,7 @@ pub(super) enum Shape {
     Star(u32, u32),
 }
 
-const SHAPES: [Shape; 12] = [
+const SHAPES: [Shape; 13] = [
     Shape::Circle,
     Shape::Polygon(4, 45),
     Shape::Polygon(3, 0),
@@ -57,6 +57,7 @@ const SHAPES: [Shape; 12] = [
     Shape::Polygon(6, 0),
     Shape::Polygon(3, 270),
     Shape::Star(4, 45),
+    Shape::Star(3, 0),
 ];
 
 impl Shape {
@@ -117,7 +118,7 @@ impl Styles {
         Self { labels: all.unique().collect() }
     }
 
-    /// A configuration's style. After twelve, colours come again with other shapes.
+    /// A configuration's style. After all of them colours come again with other shapes.
     pub(super) fn get(&self, label: &str) -> Style {
         let index = self.labels.iter().position(|each| each == label).unwrap_or(0);
         let turn = index / COLOURS.len();

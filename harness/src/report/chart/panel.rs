@@ -20,6 +20,8 @@ const CAPPED: f64 = 9.0;
 const MARKER_GAP: f64 = 48.0;
 /// Between the names of neighbouring steps.
 const STEP_GAP: f64 = 4.0;
+/// Of more steps than these some may do without their names.
+const MANY_STEPS: usize = 8;
 
 /// An axis.
 #[derive(Clone, Debug)]
@@ -120,13 +122,17 @@ impl Panel {
             canvas.fill((from, top), (to, bottom), SHADE);
         }
         let ticks = x.ticks(|text| text_width(text, TICK_SIZE));
-        // Names of steps stand on two lines where one is too narrow.
+        // Names of steps stand on two lines where one is too narrow; of many, where two are, every second stands, the shaded one among them.
         let room = x.step().unwrap_or(f64::INFINITY);
-        let wide = |text: &String| text_width(text, TICK_SIZE) > room - STEP_GAP;
-        let lines = if ticks.iter().filter_map(|(_, text)| text.as_ref()).any(wide) { 2 } else { 1 };
+        let widths = ticks.iter().filter_map(|(_, text)| Some(text_width(text.as_ref()?, TICK_SIZE)));
+        let widest = widths.fold(0.0, f64::max);
+        let lines = if widest > room - STEP_GAP { 2 } else { 1 };
+        let every = if ticks.len() > MANY_STEPS && widest > 2.0 * room - STEP_GAP { 2 } else { 1 };
+        let first = if let Scale::Steps(_, Some(own)) = self.x.scale { own % every } else { 0 };
+        let width = (lines * every) as f64 * room - STEP_GAP;
         for (index, (place, text)) in ticks.iter().enumerate() {
-            let text = text.as_ref().map(|text| shorten(text, TICK_SIZE, lines as f64 * room - STEP_GAP));
-            tick_below(canvas, rect, *place, text.as_deref(), index % lines);
+            let text = text.as_ref().filter(|_| index % every == first).map(|text| shorten(text, TICK_SIZE, width));
+            tick_below(canvas, rect, *place, text.as_deref(), index / every % lines);
         }
         for (y, text) in y.ticks(|_| TICK_SIZE) {
             if let Some(text) = text {
@@ -313,6 +319,16 @@ mod tests {
             named.iter().map(height).collect::<std::collections::BTreeSet<_>>().len()
         };
         assert_eq!([heights("v"), heights("a rather long value of it ")], [1, 2]);
+    }
+
+    /// Proves that of many steps whose names fit no two lines every second one is named, whole, the shaded one among them.
+    #[test]
+    fn of_many_wide_steps_every_second_is_named() {
+        let names: Vec<String> = (0..14).map(|step| format!("0.123456789012{step:02}")).collect();
+        let svg = drawn(Scale::Steps(names.clone(), Some(1)), Vec::new(), Vec::new());
+        let named: Vec<usize> = (0..14).filter(|step| svg.contains(&names[*step])).collect();
+        assert_eq!(named, [1, 3, 5, 7, 9, 11, 13]);
+        assert!(!svg.contains('…'), "{svg}");
     }
 
     /// Crowded places end a gap apart, in order, within bounds.

@@ -7,6 +7,7 @@ use tracebench_api::{ClockKind, Query};
 use super::canvas::text_width;
 use super::series::{Series, SeriesChart, SeriesPanel, series};
 use super::*;
+use crate::registry::TRACERS;
 use crate::report::fixture::{self, FrontQuality, Quality};
 use crate::report::group::groups;
 use crate::report::summary::summary;
@@ -178,7 +179,7 @@ fn clocks_are_named() {
     }
 }
 
-/// Twelve tracers have twelve looks, and so have a hundred and more.
+/// Every tracer has a colour of its own, and a hundred and more have a look of their own.
 #[test]
 fn looks_differ() {
     let mut record = fixture::run(&[("t", FAIR)], &[]);
@@ -190,6 +191,8 @@ fn looks_differ() {
             one
         })
         .collect();
+    let colours: BTreeSet<_> = (0..TRACERS.len()).map(colour).collect();
+    assert_eq!(colours.len(), TRACERS.len());
     let styles = palette::Styles::of(&record);
     let look = |index: usize| format!("{:?}", styles.get(&format!("t{index}")));
     let looks: BTreeSet<_> = (0..144).map(look).collect();

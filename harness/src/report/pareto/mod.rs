@@ -55,9 +55,9 @@ pub(super) fn shown<'a>(record: &'a Record, section: &'a ParetoRecord) -> Vec<Sh
 pub(in crate::report) fn cost_name(cost: Cost) -> String {
     match cost {
         Cost::Trace => metrics::SPEED.axis(),
-        Cost::Build => metrics::BUILD_TIME.axis(),
+        Cost::Build => metrics::FIRST_BUILD.axis(),
         Cost::Bytes => "structure and geometry to trace (MiB)".to_owned(),
-        Cost::Frame(rays) => format!("frame: build and {} (ms)", rays_a_pixel(rays)),
+        Cost::Frame(rays) => format!("frame: steady build and {} (ms)", rays_a_pixel(rays)),
     }
 }
 
