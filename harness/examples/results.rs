@@ -3,7 +3,7 @@
 //! `cargo run --release --example results` measures them by the commands of results/manifest.json, first those that README quotes, then
 //! those of docs/, of claims, and others; `-- --budget 2h` ends before what would take longer, and the same command goes on. `-- --check`
 //! lists them and fails where README quotes one. `-- --answers` traces once what is stale, measures nothing, and keeps in the manifest whose
-//! answers are still the same. `-- FOLDER...` is about some folders alone. What another machine measured is dated, and left to it.
+//! answers are still the same. `-- FOLDER...` is about some folders alone, stale or not. What another machine measured is dated, and left to it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Write as _};
@@ -98,8 +98,11 @@ fn work(root: &Path, mut asked: Asked) -> Result<bool, String> {
     let needs = needs(root, &entries)?;
     let mut stale = Vec::new();
     for (place, entry) in entries.iter().enumerate() {
-        let is_asked = asked.folders.is_empty() || asked.folders.contains(&entry.folder);
-        if let (true, Some(why)) = (is_asked, staleness(root, &entries, entry)?) {
+        let is_named = asked.folders.contains(&entry.folder);
+        let is_asked = is_named || asked.folders.is_empty();
+        // One that is named is measured in any case: its command may have changed.
+        let named = (is_named && !asked.check).then(|| "asked for".to_owned());
+        if let (true, Some(why)) = (is_asked, staleness(root, &entries, entry)?.or(named)) {
             stale.push((needs[&entry.folder], place, why));
         }
     }

@@ -304,7 +304,7 @@ fn the_page_has_every_tracer_at_three_viewpoints() {
     let brief = AttackOptions { is_brief: true, ..options(2) };
     let record = search(&plan, &brief, &Journal::none()).unwrap();
     let files = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
-    let (_, page) = files.iter().find(|(name, _)| name == report::ATTACK_PAGE).unwrap();
+    let (_, page) = files.iter().find(|(name, _)| name == "attack.md").unwrap();
     let page = String::from_utf8(page.clone()).unwrap();
     for set in sets {
         let (_, below) = page.split_once(&format!("\n## {set}\n\n")).unwrap();
