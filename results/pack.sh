@@ -22,6 +22,8 @@ find "$@" -name "$list" -type f -printf '%h\n' | while read -r folder; do (
     # Sorted, so that the list is not read while it is written.
     cut -d ' ' -f 3- "$list" | sort -u | while read -r name; do
         case $name in
+            # What frames show is in no record.
+            pictures/*) continue ;;
             *.png | *.csv | report.html) ;;
             summary.md | error_vs_speed_*.svg | agreement_over_tolerance_*.svg) [ "$of_paper" ] || continue ;;
             run.json) ;;
