@@ -6,7 +6,7 @@
 //! answers are still the same. `-- FOLDER...` is about some folders alone, stale or not. What another machine measured is dated, and left to it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{Cursor, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::Digest as _;
 use tracebench_harness::machine;
-use tracebench_harness::render::{GAP, Image8, Rgb, animation};
+use tracebench_harness::render::cut;
 use tracebench_harness::report::unpacked;
 use tracebench_harness::results::{RULES_VERSION, Record};
 
@@ -416,7 +416,8 @@ fn keep_stills(scratch: &Path, folder: &Path, (scene, effect, frame): &(String, 
     let answers = of_scene.filter_map(|row| Some((row.tracer.label(), row.pictures.get(effect)?, 2)));
     for (label, pictures, rows) in truth.into_iter().chain(answers) {
         let bytes = std::fs::read(scratch.join("pictures").join(&pictures.sheet)).map_err(|error| error.to_string())?;
-        let still = cut(&bytes, frames.size, [frame % pictures.columns, frame / pictures.columns], rows);
+        let place = [frame % pictures.columns, rows * (frame / pictures.columns)];
+        let still = cut(&bytes, frames.size, place, rows);
         let stem: String = label.chars().map(|one| if one.is_ascii_alphanumeric() { one } else { '_' }).collect();
         let still = still.map_err(|error| format!("{}: {error}", pictures.sheet))?;
         std::fs::write(folder.join(format!("still_{stem}.png")), still).map_err(|error| error.to_string())?;
@@ -424,21 +425,8 @@ fn keep_stills(scratch: &Path, folder: &Path, (scene, effect, frame): &(String, 
     Ok(())
 }
 
-/// One frame of a sheet, so many rows of pictures high.
-fn cut(sheet: &[u8], [width, height]: [u32; 2], [column, row]: [u32; 2], rows: u32) -> Result<Vec<u8>, String> {
-    let mut reader = png::Decoder::new(Cursor::new(sheet)).read_info().map_err(|error| error.to_string())?;
-    let mut pixels = vec![0; reader.output_buffer_size().ok_or("too large")?];
-    let line = 3 * reader.next_frame(&mut pixels).map_err(|error| error.to_string())?.width as usize;
-    let (tall, left) = (rows * (height + GAP) - GAP, 3 * (column * (width + GAP)) as usize);
-    let lines = pixels.chunks_exact(line).skip((row * (tall + GAP)) as usize).take(tall as usize);
-    let still: Vec<Rgb> = lines.flat_map(|line| line[left..][..3 * width as usize].as_chunks().0).copied().collect();
-    animation(&[Image8 { size: [width, tall], pixels: still }], 1.0).map_err(|error| error.to_string())
-}
-
 #[cfg(test)]
 mod tests {
-    use tracebench_harness::render::strip;
-
     use super::*;
 
     fn entries() -> Vec<Entry> {
@@ -499,21 +487,6 @@ mod tests {
                 (why(0).unwrap(), why(1).unwrap()),
                 ("another version of dirt".to_owned(), "made of a".to_owned())
             );
-        }
-    }
-
-    /// Proves that a frame is cut out of a sheet with errors, and out of one without, as it was put in.
-    #[test]
-    fn stills_are_frames_of_a_sheet() {
-        let still = |colour: u8| Image8 { size: [3, 2], pixels: (0..6).map(|place| [colour, place, 7]).collect() };
-        let row = |colours: &[u8]| colours.iter().copied().map(still).collect::<Vec<_>>();
-        let sheet = |rows: &[Vec<Image8>]| animation(&[strip(rows).unwrap()], 1.0).unwrap();
-        let both = sheet(&[row(&[1, 2]), row(&[11, 12]), row(&[3]), row(&[13])]);
-        let alone = sheet(&[row(&[1, 2]), row(&[3])]);
-        let of = |colours: &[u8]| sheet(&colours.iter().map(|colour| row(&[*colour])).collect::<Vec<_>>());
-        for (frame, colours) in [([1, 0], [2, 12]), ([0, 1], [3, 13])] {
-            assert_eq!(cut(&both, [3, 2], frame, 2).unwrap(), of(&colours));
-            assert_eq!(cut(&alone, [3, 2], frame, 1).unwrap(), of(&colours[..1]));
         }
     }
 

@@ -1,6 +1,8 @@
 //! Pictures as PNGs, still and moving.
 
-use super::{Image8, ImageError, Rgb};
+use std::io::Cursor;
+
+use super::{Image, Image8, ImageError, Rgb};
 
 /// Frames of eight bits a channel, of the kind that `set` says, as a PNG.
 pub(crate) fn encoded(
@@ -48,7 +50,7 @@ fn same_size(images: &[Image8]) -> Result<[u32; 2], ImageError> {
 }
 
 /// Pixels between the stills of a strip.
-pub const GAP: u32 = 4;
+const GAP: u32 = 4;
 const GAP_COLOUR: Rgb = [255; 3];
 
 /// Stills of one size side by side, row below row; a row may be shorter.
@@ -71,4 +73,23 @@ pub fn strip(rows: &[Vec<Image8>]) -> Result<Image8, ImageError> {
         }
     }
     Ok(Image8 { size, pixels })
+}
+
+/// Stills of a [`strip`]'s PNG that stand below one another, as a PNG of their own: their size, the column and row of the first, how many.
+///
+/// # Errors
+/// [`ImageError`] for what is no PNG, or has no such stills.
+pub fn cut(strip: &[u8], [width, height]: [u32; 2], [column, row]: [u32; 2], rows: u32) -> Result<Vec<u8>, ImageError> {
+    let failed = |error: png::DecodingError| ImageError::Failed(error.to_string());
+    let mut reader = png::Decoder::new(Cursor::new(strip)).read_info().map_err(failed)?;
+    let mut pixels = vec![0; reader.output_buffer_size().ok_or(ImageError::Empty)?];
+    let whole = reader.next_frame(&mut pixels).map_err(failed)?;
+    let (left, top, tall) = (column * (width + GAP), row * (height + GAP), rows * (height + GAP) - GAP);
+    if left + width > whole.width || top + tall > whole.height {
+        return Err(ImageError::Size([left + width, top + tall], [whole.width, whole.height]));
+    }
+    let (pixels, _): (&[Rgb], _) = pixels.as_chunks();
+    let lines = pixels.chunks_exact(whole.width as usize).skip(top as usize).take(tall as usize);
+    let pixels = lines.flat_map(|line| &line[left as usize..][..width as usize]).copied().collect();
+    animation(&[Image { size: [width, tall], pixels }], 1.0)
 }

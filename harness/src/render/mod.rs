@@ -17,7 +17,7 @@ use tracebench_api::{Geometry, Hit, Query, Ray, Surface, SurfaceStatus, TraceTo,
 use tracebench_scenes::Material;
 
 pub(crate) use encode::encoded;
-pub use encode::{GAP, animation, strip};
+pub use encode::{animation, cut, strip};
 pub use image::{
     Exposure, Image, Image8, ImageError, LinearImage, PIXELS_PER_DEGREE, beyond, error_picture, errors, likeness,
 };

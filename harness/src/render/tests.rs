@@ -570,6 +570,15 @@ fn frames_are_read_back_as_they_were() {
     assert_eq!(strip.size, [132, 68]);
     let at = |x: usize, y: usize| strip.pixels[y * 132 + x][0];
     assert_eq!([at(0, 0), at(63, 31), at(65, 0), at(68, 0), at(0, 36), at(70, 40)], [1, 1, 255, 2, 3, 255]);
+    // What is cut out of a strip is what was put in.
+    let of = |rows: &[Vec<Image8>]| animation(&[super::strip(rows).unwrap()], 1.0).unwrap();
+    let sheet = of(&[vec![constant(1), constant(2)], vec![constant(3), constant(4)], vec![constant(5)]]);
+    for (place, rows, colours) in [([1, 0], 2, &[2, 4][..]), ([0, 1], 2, &[3, 5]), ([0, 2], 1, &[5])] {
+        let column: Vec<_> = colours.iter().map(|colour| vec![constant(*colour)]).collect();
+        assert_eq!(cut(&sheet, [64, 32], place, rows).unwrap(), of(&column));
+    }
+    assert!(cut(&sheet, [64, 32], [2, 0], 1).is_err() && cut(&sheet, [64, 32], [0, 2], 2).is_err());
+    assert!(cut(b"no picture", [64, 32], [0, 0], 1).is_err());
 }
 
 /// Proves that the brute force of the renderer in f64 and the truth's test are not the same code that agrees with itself: they give the
