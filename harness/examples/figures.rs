@@ -214,13 +214,14 @@ fn ends(all: &[f64]) -> [f64; 2] {
     all.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], each| [low.min(*each), high.max(*each)])
 }
 
-const REDUCTIONS: [(&str, Reduction); 9] = [
+const REDUCTIONS: [(&str, Reduction); 10] = [
     ("min ", |all| vec![ends(all)[0]]),
     ("max ", |all| vec![ends(all)[1]]),
     ("median ", |all| vec![median(all)]),
     ("mean ", |all| vec![all.iter().sum::<f64>() / all.len() as f64]),
     ("sum ", |all| vec![all.iter().sum()]),
     ("count ", |all| vec![all.len() as f64]),
+    ("count-below-1 ", |all| vec![all.iter().filter(|value| **value < 1.0).count() as f64]),
     ("range ", |all| ends(all).to_vec()),
     ("median-range ", |all| vec![median(all), ends(all)[0], ends(all)[1]]),
     ("interval ", |all| {
@@ -393,6 +394,7 @@ mod tests {
             ("max r.json#rows/[tracer.name=a]/ms over r.json#rows/[tracer.name=b]/ms as 2", "6.00"),
             ("sum r.csv#*/rays as 0", "16"),
             ("count r.json#rows/*/ms as n", "3"),
+            ("count-below-1 r.json#rows/*/ms over r.json#rows/1/ms as n", "2"),
             ("mean r.json#rows/[tracer.name=a]/ms as 0", "20"),
             ("range r.json#rows/*/ms as 0", "5 to 30"),
             ("median-range r.json#rows/*/ms as 1", "10.0 (5.0 to 30.0)"),
