@@ -20,6 +20,7 @@ use crate::registrations::{Create, Registration, Told};
 use crate::registry;
 use crate::report;
 use crate::results::{SampleSchedule, WorkRow};
+use crate::statistics::median;
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::Pose;
 
@@ -254,6 +255,20 @@ fn every_other_frame_is_found() {
         assert!(text("frames.md").contains(part), "no '{part}' in {}", text("frames.md"));
     }
     assert_eq!(text("frames.csv").lines().count(), 1 + 4 * section.rows.len());
+    // Over both effects each tracer leads where the median of its later frames is the least.
+    let ms = |name: &str, effect: &str| {
+        let row = section.rows.iter().find(|row| row.tracer.name == name && row.frames[0].works.contains_key(effect));
+        median(&row.unwrap().frames[1..].iter().map(|frame| frame.ms(effect).unwrap()).collect::<Vec<_>>())
+    };
+    let names = ["bvh-cpu", "blinker"];
+    let page = text("frames.md");
+    let (_, over_all) = page.split_once("## Over all scenes and effects").unwrap();
+    for name in names {
+        let leads = ["primary", "depth"].into_iter();
+        let leads = leads.filter(|effect| names.iter().all(|other| ms(name, effect) <= ms(other, effect)));
+        let line = over_all.lines().find(|line| line.starts_with(&format!("| {name} |"))).unwrap();
+        assert!(line.contains(&format!("| {} of 2 |", leads.count())), "{line}");
+    }
 }
 
 /// Which images of exact tracers with every effect differ from the truth by more than rounding does, if some do. Every pixel that differs
@@ -391,6 +406,20 @@ fn structures_are_brought_up_to_date_by_the_rule() {
     );
 }
 
+/// Proves that the camera's path goes on from the time that is asked for, as the animation does.
+#[test]
+fn the_path_begins_at_the_animation_time() {
+    let of = |time_s: f64| {
+        let plan = Plan { time_s, ..plan("cloth", &[], 0) };
+        let scene = measure::load_at(&plan, None, &Progress::new(true)).unwrap().remove(0);
+        let asked = FramesRequest { fps: 1.0, ..request(&[], 3, Moves::Both, Updates::Auto) };
+        camera::way(&plan, &asked, &scene).unwrap().poses
+    };
+    let (begun, later) = (of(0.0), of(1.0));
+    assert_eq!(begun[1..], later[..2]);
+    assert_ne!(begun[0].eye, later[0].eye);
+}
+
 /// Proves that fixed rays are the same in every frame, judged alike, and that those alone change which a structure built elsewhere loses.
 #[test]
 fn fixed_rays_change_with_the_structure_alone() {
@@ -433,6 +462,12 @@ fn what_is_no_answer_ends_the_run() {
     let refused = asked.check(&[tracer("onlooker")]).unwrap_err();
     assert!(refused.contains("effect ao: no tracer"), "{refused}");
     assert!(asked.check(&[tracer("onlooker"), tracer("bvh-cpu")]).is_ok());
+    // One that refuses its only effect has answered nothing.
+    let warp = TracerRequest::of(registry::find("mesh-warp").unwrap(), Preset::Published);
+    let warp = Plan { tracers: vec![warp], ..plan("room", &[], 0) };
+    let asked = request(&[Effect::Ao], 1, Moves::Camera, Updates::Rebuild);
+    let error = measured_on(&Ok(tracebench_tests::gpu()), &warp, &asked).err().unwrap().to_string();
+    assert!(error.contains("start in several"), "{error}");
     let still = measured(&plan("room", &["bvh-cpu"], 1), &request(&[], 2, Moves::Geometry, Updates::Auto));
     assert!(still.err().unwrap().to_string().contains("no animation"));
 }
