@@ -79,7 +79,7 @@ impl RunPreset {
 }
 
 /// Where a scene comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum SceneSource {
     /// A scene of the catalogue.
     Catalogue(String),

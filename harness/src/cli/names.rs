@@ -5,6 +5,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use itertools::Itertools as _;
+use serde_json::json;
 use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::renames::{self, Kind};
@@ -62,23 +63,16 @@ fn parts<'a>(list: &'a str, option: &str) -> Result<Vec<&'a str>, CliError> {
 /// Scenes: catalogue names, or paths to .gltf and .glb files; `all` is the whole catalogue. What is the path of something is one
 /// path, whatever is in it. Scenes of the same name get longer ones.
 pub(super) fn scenes(list: &OsStr) -> Result<Vec<SceneSource>, CliError> {
-    let mut found: Vec<SceneSource> = Vec::new();
     let text = match list.to_str() {
         Some(text) if text == "all" || is_listed(text) || !Path::new(list).exists() => text,
         _ => return Ok(vec![scene(list)?]),
     };
-    for part in parts(text, "--scene")? {
-        let named = match part {
-            "all" => tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect(),
-            name => vec![name],
-        };
-        for name in named {
-            let source = scene(name.as_ref())?;
-            if !found.contains(&source) {
-                found.push(source);
-            }
-        }
-    }
+    let named = parts(text, "--scene")?.into_iter().flat_map(|part| match part {
+        "all" => tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect(),
+        name => vec![name],
+    });
+    let sources: Vec<SceneSource> = named.map(|name| scene(name.as_ref())).collect::<Result<_, _>>()?;
+    let mut found: Vec<SceneSource> = sources.into_iter().unique().collect();
     tell_apart(&mut found);
     Ok(found)
 }
@@ -200,14 +194,8 @@ pub(super) fn peers(table: &peers::Table, settings: &[String]) -> Result<Vec<Tra
     let mut requests = table.configs();
     apply_all(settings, &mut requests)?;
     // A value that is set may be one that the table has a row of its own for.
-    let mut different: Vec<TracerRequest> = Vec::new();
-    for request in requests {
-        let same = |other: &TracerRequest| other.name() == request.name() && other.parameters == request.parameters;
-        if !different.iter().any(same) {
-            different.push(request);
-        }
-    }
-    Ok(different)
+    let different = requests.into_iter().unique_by(|of| (of.name(), json!(of.parameters).to_string()));
+    Ok(different.collect())
 }
 
 /// The tracers of an experiment's steps with `--set` values on top; values that a row is about stay.
