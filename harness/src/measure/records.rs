@@ -13,7 +13,7 @@ use super::session::PreparedRays;
 use crate::plan::TracerRequest;
 use crate::results::{
     CounterRecord, Judgement, PhaseRecord, SceneRecord, SurfaceJudgement, Times, TraceRecord, TracerRecord,
-    ViewpointRecord, whole_ns,
+    ViewpointRecord, gathered, whole_ns,
 };
 use crate::statistics::{median, median_interval};
 
@@ -63,18 +63,13 @@ pub(crate) fn trace_record(
 }
 
 /// Parts of the same name as one, in the order of their first.
-fn by_name(parts: impl IntoIterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
-    let mut joined: Vec<MemoryEntry> = Vec::new();
-    for part in parts {
-        match joined.iter_mut().find(|known| known.name == part.name) {
-            Some(known) => {
-                known.allocated_bytes += part.allocated_bytes;
-                known.used_bytes += part.used_bytes;
-            }
-            None => joined.push(part),
-        }
-    }
-    joined
+fn by_name(parts: impl Iterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
+    let joined = |(name, parts): (String, Vec<MemoryEntry>)| MemoryEntry {
+        name,
+        allocated_bytes: parts.iter().map(|part| part.allocated_bytes).sum(),
+        used_bytes: parts.iter().map(|part| part.used_bytes).sum(),
+    };
+    gathered(parts.map(|part| (part.name.clone(), part))).into_iter().map(joined).collect()
 }
 
 /// Milliseconds by the host below which a lot's timestamps say nothing of others': submission is too large a part of it.

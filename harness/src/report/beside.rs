@@ -9,13 +9,15 @@ use tracebench_api::{ClockKind, Query};
 use super::cells::TableRow;
 use super::document::Document;
 use super::format::{NONE, mib, percent, with_interval};
-use super::group::{Group, RaySet, Role, gathered};
+use super::group::{Group, RaySet, Role};
 use super::markdown::literal;
 use super::metrics::{self, BALANCED, STRUCTURE, Traced};
 use super::sheet::{Cell, Column, Columns, Sheet};
 use super::summary;
 use crate::registry::{Family, TRACERS};
-use crate::results::{Answer, Caveat, Paired, Record, Row, Timed, TraceRecord, TracerRecord, differ_in_launch};
+use crate::results::{
+    Answer, Caveat, Paired, Record, Row, Timed, TraceRecord, TracerRecord, differ_in_launch, gathered,
+};
 
 /// What is compared, with its name.
 const SPANS: [(&str, Span); 3] = [

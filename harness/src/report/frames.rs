@@ -9,7 +9,6 @@ use super::beside::from_to;
 use super::chart::series::{Errors, Series, SeriesChart, SeriesPanel, errors, series};
 use super::document::{Document, Of};
 use super::format::{self, significant};
-use super::group::gathered;
 use super::markdown::literal;
 use super::metrics::{BUILD_PEAK, FIRST_BUILD, STRUCTURE};
 use super::sheet::{Cell, Sheet, Table};
@@ -17,7 +16,7 @@ use super::{Report, summary};
 use crate::registry;
 use crate::results::{
     FramePictures, FrameRow, FrameSeries, FramesRecord, ImageRow, ROUNDED_ORACLE, Record, Rule, TracerRecord, WaveRow,
-    WorkRow,
+    WorkRow, gathered,
 };
 use crate::statistics::{median, percentile, rank_correlation};
 use crate::studies::frames::is_exact;
@@ -94,6 +93,11 @@ fn spread(values: &[f64], digits: usize) -> Cell {
 /// The 95th percentile of times over their median.
 fn jitter(ms: &[f64]) -> Option<f64> {
     percentile(ms, 95.0).filter(|_| ms.len() > 1).map(|most| most / median(ms)).filter(|jitter| jitter.is_finite())
+}
+
+/// Every work in every scene.
+pub(super) fn works(section: &FramesRecord) -> impl Iterator<Item = (usize, &String)> {
+    (0..section.scenes.len()).cartesian_product(&section.works)
 }
 
 /// All series of a scene with a work, controls first.
@@ -174,8 +178,7 @@ fn placed<'a>(section: &'a FramesRecord, scene: usize, work: &'a str) -> Vec<(St
 /// What every tracer comes to over several scenes or works.
 fn over_all(section: &FramesRecord) -> Document {
     type Row<'a> = (String, Vec<Placed<'a>>);
-    let works = (0..section.scenes.len()).flat_map(|scene| section.works.iter().map(move |work| (scene, work)));
-    let rows: Vec<Row<'_>> = gathered(works.flat_map(|(scene, work)| placed(section, scene, work)));
+    let rows: Vec<Row<'_>> = gathered(works(section).flat_map(|(scene, work)| placed(section, scene, work)));
     if section.scenes.len() * section.works.len() < 2 {
         return Document::default();
     }
@@ -269,24 +272,16 @@ fn rankings(section: &FramesRecord) -> Vec<Ranking<'_>> {
         let improved = preset == "improved" && changed.is_empty();
         !shown.series.is_control() && registry::find(name).is_none_or(|known| !is_exact(known, improved))
     };
-    let mut rankings = Vec::new();
-    for (seen, error) in SEEN {
-        for (place, rule) in Rule::ALL.into_iter().enumerate() {
-            let works = |scene| section.works.iter().map(move |work| (scene, work.as_str()));
-            let correlation = |(scene, work)| {
-                let pairs: Vec<[f64; 2]> = shown(section, scene, work)
-                    .iter()
-                    .filter(|shown| is_sampled(shown))
-                    .filter_map(|shown| Some([1.0 - shown.right(place, false)?, error(shown)?]))
-                    .collect();
-                Some((section.scenes[scene].scene.name.as_str(), rank_correlation(&pairs)?))
-            };
-            let each = (0..section.scenes.len()).flat_map(works).filter_map(correlation);
-            rankings.push((seen, rule.name(), each.collect()));
-        }
-    }
-    rankings.retain(|(.., each): &Ranking<'_>| !each.is_empty());
-    rankings
+    let ranking = |((seen, error), (place, rule)): (Seen, (usize, Rule))| {
+        let correlation = |(scene, work): (usize, &String)| {
+            let all = shown(section, scene, work).into_iter().filter(is_sampled);
+            let pairs = all.filter_map(|shown| Some([1.0 - shown.right(place, false)?, error(&shown)?]));
+            Some((section.scenes[scene].scene.name.as_str(), rank_correlation(&pairs.collect_vec())?))
+        };
+        (seen, rule.name(), works(section).filter_map(correlation).collect_vec())
+    };
+    let errors = SEEN.into_iter().cartesian_product(Rule::ALL.into_iter().enumerate());
+    errors.map(ranking).filter(|(.., each)| !each.is_empty()).collect()
 }
 
 fn ranked(section: &FramesRecord) -> Document {
@@ -479,9 +474,7 @@ impl ShownFrame<'_> {
 
 /// Every frame of every series.
 fn every_frame(section: &FramesRecord) -> Table {
-    let all = (0..section.scenes.len())
-        .flat_map(|scene| section.works.iter().flat_map(move |work| shown(section, scene, work)));
-    let rows = all.flat_map(|shown| {
+    let rows = works(section).flat_map(|(scene, work)| shown(section, scene, work)).flat_map(|shown| {
         let frames = (0..).zip(&shown.series.frames);
         frames.map(move |(number, row)| ShownFrame { shown, number, row, work: row.works.get(shown.work) })
     });

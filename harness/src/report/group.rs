@@ -93,18 +93,6 @@ impl RaySet<'_> {
     }
 }
 
-/// Values by their keys, both in the order of first appearance.
-pub(crate) fn gathered<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
-    let mut all: Vec<(K, Vec<V>)> = Vec::new();
-    for (key, value) in pairs {
-        match all.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, values)) => values.push(value),
-            None => all.push((key, vec![value])),
-        }
-    }
-    all
-}
-
 /// Sorts a run into groups, in order of first appearance.
 pub(super) fn groups<'a>(record: &'a Record) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();

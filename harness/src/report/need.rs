@@ -11,10 +11,10 @@ use super::chart::Chart;
 use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
 use super::document::Document;
 use super::format::{significant, thousands};
-use super::group::{gathered, groups, stems};
+use super::group::{groups, stems};
 use super::sheet::{Cell, Column, Sheet, Table};
 use super::{Report, metrics, rows, summary};
-use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord, values_label};
+use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord, gathered, values_label};
 use crate::studies::need::{Axis, Curve, OfTracer, Outcome, Step, Thumb, Transfer, Tried, curves, rules, transfers};
 
 /// The least that is drawn, as a part of the limit: a logarithm has no place for structures whose answers got better.

@@ -4,11 +4,10 @@ use super::Report;
 use super::chart::difficulty;
 use super::document::Document;
 use super::format;
-use super::group::gathered;
 use super::sheet::Sheet;
 use super::summary::footprint_of_many;
 use crate::cases;
-use crate::results::{CaseRecord, DifficultyLevel, ExpectationRecord, Provenance, Record, Skipped};
+use crate::results::{CaseRecord, DifficultyLevel, ExpectationRecord, Provenance, Record, Skipped, gathered};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
 /// The chart, without its end.

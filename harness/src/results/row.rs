@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use tracebench_api::{ClockKind, MemoryEntry, PhaseSample, Query, TraceTo};
 
-use super::{Judgement, SurfaceJudgement};
+use super::{Judgement, SurfaceJudgement, gathered};
 
 records! {
     /// One tracer on one scene from one viewpoint.
@@ -371,24 +371,18 @@ impl PhaseRecord {
     /// Collects the phases of several samples of the same work, in order of first appearance. A phase that only some
     /// samples have, as the first refit after a build may, has as many samples as had it.
     pub fn collect(samples: &[Vec<PhaseSample>]) -> Vec<Self> {
-        let mut records: Vec<Self> = Vec::new();
-        for phases in samples {
-            for (place, phase) in phases.iter().enumerate() {
+        let phases = samples.iter().flat_map(|phases| {
+            phases.iter().enumerate().map(move |(place, phase)| {
                 // Of phases of the same name within a sample the first is told from the second.
                 let before = phases[..place].iter().filter(|other| other.name == phase.name).count();
-                match records.iter_mut().filter(|record| record.name == phase.name).nth(before) {
-                    Some(record) => record.samples_ms.push(whole_ns(phase.duration_ms)),
-                    None => {
-                        let samples_ms = vec![whole_ns(phase.duration_ms)];
-                        records.push(Self { name: phase.name.clone(), median_ms: 0.0, samples_ms });
-                    }
-                }
-            }
-        }
-        for record in &mut records {
-            record.median_ms = crate::statistics::median(&record.samples_ms);
-        }
-        records
+                ((&phase.name, before), whole_ns(phase.duration_ms))
+            })
+        });
+        let record = |((name, _), samples_ms): ((&String, usize), Vec<f64>)| {
+            let median_ms = crate::statistics::median(&samples_ms);
+            Self { name: name.clone(), median_ms, samples_ms }
+        };
+        gathered(phases).into_iter().map(record).collect()
     }
 }
 

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::papers::{Publication, PublishedColumn, PublishedRow, PublishedTable};
 use crate::report::document::Document;
-use crate::report::group::gathered;
 use crate::report::sheet::{Sheet, Table};
+use crate::results::gathered;
 
 /// The published tables beside which an experiment stands.
 pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> Document {

@@ -6,10 +6,9 @@ use super::read::Names;
 use super::write::plain_html;
 use crate::report::chart::colour;
 use crate::report::document::Document;
-use crate::report::group::gathered;
 use crate::report::metrics;
 use crate::report::sheet::{Cell, Sheet};
-use crate::results::{OCCLUSION, Rule};
+use crate::results::{OCCLUSION, Rule, gathered};
 use crate::studies::pareto::By;
 
 /// A row a tracer as its presets have it: how many rays are wrong, and why.

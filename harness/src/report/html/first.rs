@@ -10,9 +10,9 @@ use super::pieces::{Tags, escape};
 use super::read::Records;
 use super::write::inline;
 use super::{Place, told};
-use crate::report::group::gathered;
 use crate::report::pareto::page::{asked, too_few};
 use crate::report::verdict;
+use crate::results::gathered;
 use crate::studies::pareto::{Aim, best};
 
 /// So many tracers are named in a sentence; others are counted.

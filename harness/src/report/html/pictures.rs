@@ -14,6 +14,7 @@ use super::pieces::{Piece, Rank, Tags, escape};
 use super::read::Read;
 use crate::render::painted::{ERROR_DECADES, class_legend};
 use crate::report::format::significant;
+use crate::report::frames::works;
 use crate::report::kept;
 use crate::results::{FramePictures, FramesRecord, PointPictures, Record, SetPictures};
 
@@ -107,13 +108,9 @@ fn scales(set: &SetPictures) -> String {
 
 /// A player for each scene and effect that has pictures.
 pub(super) fn players(all: &[Read<'_>]) -> Vec<Piece> {
-    let mut players = Vec::new();
-    for (path, section) in all.iter().filter_map(|read| Some((read.path, read.record.frames.as_ref()?))) {
-        for scene in 0..section.scenes.len() {
-            players.extend(section.works.iter().filter_map(|work| player(path, section, scene, work)));
-        }
-    }
-    players
+    let sections = all.iter().filter_map(|read| Some((read.path, read.record.frames.as_ref()?)));
+    let works = sections.flat_map(|(path, section)| works(section).map(move |work| (path, section, work)));
+    works.filter_map(|(path, section, (scene, work))| player(path, section, scene, work)).collect()
 }
 
 /// The sheet of all frames as an image of which a frame is shown; `rows` are those of a frame: the answer, and its error where there is one.

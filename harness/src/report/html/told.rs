@@ -4,8 +4,7 @@ use itertools::Itertools as _;
 
 use crate::report::format::{mib, significant};
 use crate::report::frames;
-use crate::report::group::gathered;
-use crate::results::{AttackRecord, FramesRecord, NeedRecord, Record, SearchRecord, config};
+use crate::results::{AttackRecord, FramesRecord, NeedRecord, Record, SearchRecord, config, gathered};
 use crate::statistics::median;
 use crate::studies::need;
 use crate::studies::stability::{Stability, Verdict};
@@ -89,8 +88,7 @@ fn frames_of(section: &FramesRecord) -> Vec<String> {
             told(fastest)
         ))
     };
-    let all = (0..section.scenes.len()).flat_map(|scene| section.works.iter().map(move |work| (scene, work)));
-    all.filter_map(sentence).take(MAX_CASES).collect()
+    frames::works(section).filter_map(sentence).take(MAX_CASES).collect()
 }
 
 /// How much more often every tracer is wrong at its worst pose.

@@ -8,10 +8,9 @@ use tracebench_api::Query;
 use crate::judge::Rule;
 use crate::report::document::Document;
 use crate::report::format::{self, points};
-use crate::report::group::gathered;
 use crate::report::metrics::{accuracies, trials};
 use crate::report::sheet::{Cell, Column, Columns, Sheet};
-use crate::results::PointRecord;
+use crate::results::{PointRecord, gathered};
 use crate::studies::tune::{Label, SetTuned, Tuning};
 
 /// What a row tried: its point and, where a value is chosen, the ray set with the value.

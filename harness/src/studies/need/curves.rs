@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use super::Outcome;
 use crate::registrations::Touch;
 use crate::registry;
-use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Record, Row, Rule, Timed, TraceRecord};
+use crate::results::{
+    ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Record, Row, Rule, Timed, TraceRecord, gathered,
+};
 use crate::statistics::paired_difference;
 use crate::studies::tune;
 use itertools::Itertools as _;
@@ -194,26 +196,12 @@ pub(super) fn of_record<'a>(record: &'a Record, limits: &'a NeedRecord, curve: &
     };
     let of_set = |trace: &'a TraceRecord| {
         let rays = trace.rays.as_str();
-        let mut axes: Vec<Axis<'a>> = Vec::new();
-        let mut joint = Vec::new();
-        for point in &curve.points {
-            let mut names = point.shrunk.keys();
-            match (names.next(), names.next()) {
-                (None, _) => {}
-                (Some(_), Some(_)) => joint.push(step(point, rays)),
-                (Some(name), None) => {
-                    let found = step(point, rays);
-                    // Where a tracer works its own value out, what is smaller than that is told by its bytes.
-                    if found.bytes().is_some_and(|bytes| bytes > own.memory.structure_bytes) {
-                        continue;
-                    }
-                    match axes.iter_mut().find(|axis| axis.name == name) {
-                        Some(axis) => axis.steps.push(found),
-                        None => axes.push(Axis { name, steps: vec![found] }),
-                    }
-                }
-            }
-        }
+        let alone = |point: &'a NeedPoint| Some((point.shrunk.keys().exactly_one().ok()?.as_str(), step(point, rays)));
+        // Where a tracer works its own value out, what is smaller than that is told by its bytes.
+        let is_larger = |step: &Step<'_>| step.bytes().is_some_and(|bytes| bytes > own.memory.structure_bytes);
+        let alone = curve.points.iter().filter_map(alone).filter(|(_, step)| !is_larger(step));
+        let axes = gathered(alone).into_iter().map(|(name, steps)| Axis { name, steps }).collect();
+        let joint = curve.points.iter().filter(|point| point.shrunk.len() > 1).map(|point| step(point, rays)).collect();
         Curve { section: curve, rays, whole: step(whole, rays), axes, joint }
     };
     own.traces.iter().map(of_set).collect()

@@ -2,6 +2,8 @@
 //! them on rays and from a viewpoint by which they were not chosen.
 
 use std::collections::BTreeSet;
+
+use itertools::Itertools as _;
 use tracebench_api::named;
 
 use super::field::{By, Cost, Entry, Field, Wrong};
@@ -64,14 +66,11 @@ pub fn farthest<'a>(field: &Field<'a>, entries: &[Entry<'a>], by: By) -> Option<
 pub fn chosen(fields: &[Field<'_>]) -> BTreeSet<usize> {
     let mut chosen = BTreeSet::new();
     for field in fields {
-        for by in By::all(field.query) {
-            for tracer in field.tracers() {
-                let own = field.of_tracer(tracer);
-                for level in LEVELS {
-                    chosen.extend(Aim::ALL.iter().filter_map(|aim| Some(best(field, &own, *by, level, *aim)?.index)));
-                }
-                chosen.extend(farthest(field, &own, *by).map(|entry| entry.index));
-            }
+        for (by, tracer) in By::all(field.query).iter().cartesian_product(field.tracers()) {
+            let own = field.of_tracer(tracer);
+            let aims = LEVELS.into_iter().cartesian_product(Aim::ALL);
+            let best = aims.filter_map(|(level, aim)| best(field, &own, *by, level, aim));
+            chosen.extend(best.chain(farthest(field, &own, *by)).map(|entry| entry.index));
         }
     }
     chosen

@@ -17,19 +17,11 @@ use crate::studies::keep_picture;
 
 /// Points that stand on a front by the rule that charts are drawn by, at any cost; no more than are there at a time.
 pub(super) fn shown(fields: &[Field<'_>], costs: &[Cost]) -> Vec<usize> {
-    let mut all: Vec<usize> = Vec::new();
-    for field in fields {
-        let Some(by) = By::all(field.query).last() else { continue };
-        for cost in costs {
-            for (entry, _, front_status) in field.front_statuses(&field.entries, *cost, *by) {
-                if front_status == FrontStatus::OnFront && !all.contains(&entry.index) {
-                    all.push(entry.index);
-                }
-            }
-        }
-    }
-    all.truncate(MAX_RESIDENT);
-    all
+    let drawn = fields.iter().filter_map(|field| Some((field, *By::all(field.query).last()?)));
+    let all = drawn.cartesian_product(costs);
+    let all = all.flat_map(|((field, by), cost)| field.front_statuses(&field.entries, *cost, by));
+    let on_front = all.filter(|(.., front_status)| *front_status == FrontStatus::OnFront);
+    on_front.map(|(entry, ..)| entry.index).unique().take(MAX_RESIDENT).collect()
 }
 
 /// Paints what some points answered to a ray set, into a folder of results.
