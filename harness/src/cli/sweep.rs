@@ -19,7 +19,7 @@ use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resol
 #[derive(Args)]
 #[command(
     mut_arg("scene", |arg| by_default(arg, "room", "all")),
-    mut_arg("tracer", |arg| by_default(arg.help("The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which parameters are swept"), tracer_of(has_sweep), tracer_of(has_choice))),
+    mut_arg("tracer", |arg| by_default(arg.help("The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which parameters are swept"), tracer_of(has_sweep), tracer_of(|tracer| tracer.tune.is_some()))),
     mut_arg("rays", |arg| by_default(arg, "diffuse", "specular,diffuse")),
 )]
 pub(super) struct SweepArguments {
@@ -38,10 +38,6 @@ pub(super) struct SweepArguments {
 
 fn has_sweep(tracer: &Registration) -> bool {
     !tracer.sweep.is_empty()
-}
-
-fn has_choice(tracer: &Registration) -> bool {
-    tracer.tune.is_some()
 }
 
 /// The tracer that is swept, or whose parameter is chosen, where none is named.

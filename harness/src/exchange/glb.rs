@@ -1,7 +1,5 @@
 //! A scene as a `.glb` file that every importer of glTF 2.0 reads, and that this one reads back as the same arrays.
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 use tracebench_scenes::{Material, Mesh, SHARED_VERTICES, Scene, SceneError, content_sha256, import_bytes};
 
@@ -96,12 +94,4 @@ pub fn write_scene(folder: &OutputFolder, mesh: &Mesh, name: &str) -> Result<Sce
     folder.write("positions.npy", &npy::write(Some(3), mesh.positions.as_flattened()))?;
     folder.write("triangles.npy", &npy::write(Some(3), mesh.triangles.as_flattened()))?;
     Ok(scene)
-}
-
-/// Reads the scene of a set of rays: `scene.glb` in its folder, or in the one above.
-pub(super) fn read_scene(folder: &Path) -> Result<Scene, ExchangeError> {
-    let own = folder.join(SCENE_FILE);
-    // By the file system and not by the text, which may end in dots.
-    let path = if own.exists() { own } else { folder.join("..").join(SCENE_FILE) };
-    Ok(tracebench_scenes::import(&path)?)
 }

@@ -301,12 +301,15 @@ pub fn check_truth(
     })
 }
 
-/// The scene of a set, whose hash is checked.
+/// The scene of a set, in its folder or in the one above, whose hash is checked.
 ///
 /// # Errors
 /// [`ExchangeError`] if it cannot be read, or is another one.
 pub fn scene(folder: &Path, manifest: &Manifest) -> Result<Scene, ExchangeError> {
-    let scene = glb::read_scene(folder)?;
+    let own = folder.join(glb::SCENE_FILE);
+    // By the file system and not by the text, which may end in dots.
+    let path = if own.exists() { own } else { folder.join("..").join(glb::SCENE_FILE) };
+    let scene = tracebench_scenes::import(&path)?;
     if scene.sha256 != manifest.scene.sha256 || scene.mesh.triangles.len() as u64 != manifest.scene.triangles {
         let problem = format!("`scene.sha256` is not that of {}: the rays are of another scene", glb::SCENE_FILE);
         return Err(ExchangeError::invalid(&folder.join(MANIFEST), problem));

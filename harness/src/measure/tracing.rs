@@ -71,7 +71,10 @@ impl InterleavedSet<'_> {
                 continue;
             };
             let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
-            record.doubt_times(failed.clone().or(too_coarse));
+            // No speed is made of times that may not be believed.
+            if let Some(why) = failed.clone().or(too_coarse) {
+                (record.times.invalid, record.mrays_per_s) = (Some(why), 0.0);
+            }
             let tolerance = |t| match rays.set.query {
                 Query::Closest => tight_tolerance(t, self.session.geometry().diagonal()),
                 Query::Any => f64::INFINITY,

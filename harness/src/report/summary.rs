@@ -22,8 +22,8 @@ use super::surfaces;
 use super::verdict;
 use crate::judge::REFERENCE_PIXELS;
 use crate::results::{
-    Classes, CounterRecord, InterleavedSetRecord, MARK, MIN_ROUNDS, Provenance, Record, Row, Skipped, StopReason,
-    TraceRecord, TracerRecord, ViewpointRecord,
+    Classes, CounterRecord, InterleavedSetRecord, MARK, MIN_ROUNDS, Record, Row, Skipped, StopReason, TraceRecord,
+    TracerRecord, ViewpointRecord,
 };
 
 /// How many causes a row names.
@@ -44,7 +44,44 @@ pub(super) fn summary(record: &Record, groups: &[Group<'_>]) -> Document {
 
 /// What holds of the whole run, below a title.
 pub(crate) fn head(record: &Record, title: &str) -> Document {
-    let mut page = head_of(&record.provenance, &record.preset, record.seed, &verdict::controls(record), title);
+    let Record { provenance: from, preset, seed, .. } = record;
+    let mut items = vec![("Machine", from.machine.label())];
+    if let Some(adapter) = &from.machine.adapter {
+        let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
+        let AdapterInfo { name, kind, backend, driver, driver_version, .. } = adapter;
+        items.push(("Adapter", format!("{name} ({kind}, {backend}, {driver} {driver_version}), {timestamps}")));
+    }
+    if let Some(found) = &from.machine.rasterizer {
+        let Rasterizer { snap_pixels, depth_error, depth_error_beyond_view, reach } = found;
+        items.push((
+            "Rasterizer",
+            format!(
+                "borders drawn up to {snap_pixels:.4} pixels from where they are; interpolated depth off by {depth_error:.1e}, of \
+                 triangles that reach far out of the view by {depth_error_beyond_view:.1e}; triangles drawn whole up to {reach:.0} heights of \
+                 the eye above them"
+            ),
+        ));
+    }
+    let memory = from.machine.memory_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MiB", mib(bytes)));
+    let tree = match from.dirty {
+        Some(true) => " with uncommitted changes",
+        Some(false) => "",
+        None => " (unknown whether the tree was changed)",
+    };
+    let preset = match preset.as_str() {
+        "smoke" => "smoke (smoke run: figures only show that things work)",
+        other => other,
+    };
+    items.extend([
+        ("System", format!("{}; memory {memory}; {}", from.machine.os, from.machine.rustc)),
+        ("Commit", format!("{}{tree}", from.commit)),
+        ("Rules", format!("version {}", from.rules_version)),
+        ("Preset", preset.to_owned()),
+        ("Seed", seed.to_string()),
+        ("Started", from.started.clone()),
+        ("Controls", verdict::sentence(&verdict::controls(record))),
+    ]);
+    let mut page = Document::titled(title).items(items.into_iter().map(|(name, value)| format!("{name}: {value}")));
     if !record.interleaved_sets.is_empty() {
         page = page.items([format!("Clock: {}", clock(record))]);
     }
@@ -166,47 +203,6 @@ fn counted(names: &[String]) -> String {
         times => format!("{name} ({times})"),
     };
     names.iter().unique().map(each).join(", ")
-}
-
-/// Where, when and of what something was measured, below a title.
-pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &[String], title: &str) -> Document {
-    let mut items = vec![("Machine", from.machine.label())];
-    if let Some(adapter) = &from.machine.adapter {
-        let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
-        let AdapterInfo { name, kind, backend, driver, driver_version, .. } = adapter;
-        items.push(("Adapter", format!("{name} ({kind}, {backend}, {driver} {driver_version}), {timestamps}")));
-    }
-    if let Some(found) = &from.machine.rasterizer {
-        let Rasterizer { snap_pixels, depth_error, depth_error_beyond_view, reach } = found;
-        items.push((
-            "Rasterizer",
-            format!(
-                "borders drawn up to {snap_pixels:.4} pixels from where they are; interpolated depth off by {depth_error:.1e}, of \
-                 triangles that reach far out of the view by {depth_error_beyond_view:.1e}; triangles drawn whole up to {reach:.0} heights of \
-                 the eye above them"
-            ),
-        ));
-    }
-    let memory = from.machine.memory_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MiB", mib(bytes)));
-    let tree = match from.dirty {
-        Some(true) => " with uncommitted changes",
-        Some(false) => "",
-        None => " (unknown whether the tree was changed)",
-    };
-    let preset = match preset {
-        "smoke" => "smoke (smoke run: figures only show that things work)",
-        other => other,
-    };
-    items.extend([
-        ("System", format!("{}; memory {memory}; {}", from.machine.os, from.machine.rustc)),
-        ("Commit", format!("{}{tree}", from.commit)),
-        ("Rules", format!("version {}", from.rules_version)),
-        ("Preset", preset.to_owned()),
-        ("Seed", seed.to_string()),
-        ("Started", from.started.clone()),
-        ("Controls", verdict::sentence(controls)),
-    ]);
-    Document::titled(title).items(items.into_iter().map(|(name, value)| format!("{name}: {value}")))
 }
 
 fn scene(record: &Record, group: &Group<'_>) -> Document {

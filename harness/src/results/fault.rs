@@ -30,7 +30,7 @@ impl Record {
     /// Which field that is.
     pub fn read(json: &[u8]) -> Result<Self, String> {
         let (reader, mut path) = (|| serde_json::Deserializer::from_slice(json), String::new());
-        Checked::document(&mut path).deserialize(&mut reader()).map_err(without_place)?;
+        Checked { path: &mut path, field: Field::default() }.deserialize(&mut reader()).map_err(without_place)?;
         let record: Self = serde_path_to_error::deserialize(&mut reader()).map_err(|error| {
             let path = error.path().to_string();
             format!("`{path}`: {}", without_place(error.into_inner()))
@@ -268,12 +268,7 @@ struct Field {
     free: bool,
 }
 
-impl<'p> Checked<'p> {
-    /// A whole document.
-    fn document(path: &'p mut String) -> Self {
-        Self { path, field: Field::default() }
-    }
-
+impl Checked<'_> {
     fn is_not<E: Error>(&self, found: impl Display, must: &str) -> E {
         E::custom(format!("`{}` is {found} and must be {must}", self.path))
     }

@@ -289,15 +289,6 @@ pub struct MemoryRecord {
     pub build_peak_bytes: u64,
 }
 
-impl TraceRecord {
-    /// Says why its times may not be believed, if they may not: no speed is made of them.
-    pub fn doubt_times(&mut self, why: Option<String>) {
-        if why.is_some() {
-            (self.times.invalid, self.mrays_per_s) = (why, 0.0);
-        }
-    }
-}
-
 /// The same scene seen from the same eye at the same time, whatever the resolutions.
 pub fn same_pose(a: &Row, b: &Row) -> bool {
     a.scene.name == b.scene.name

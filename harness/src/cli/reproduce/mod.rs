@@ -214,7 +214,8 @@ fn missing(found: &Reproduction) -> Vec<String> {
 
 /// Writes the list of steps, and the one page of what was measured of them, if anything was.
 fn pages(of: &Reproduction, out: &OutputFolder, took: Duration, progress: &Progress) -> Result<Vec<PathBuf>, CliError> {
-    let mut written = vec![write_list(of, out, took)?];
+    let list = list(of, &out.path().display().to_string(), took, |step| pages_in(&out.path().join(&step.name)));
+    let mut written = vec![out.write(PAGE, list.as_bytes())?];
     let folders = of.steps.iter().map(|one| out.path().join(&one.name));
     let records: Vec<PathBuf> = folders.filter(|folder| report::read_run(folder).is_ok()).collect();
     if !records.is_empty() {
@@ -228,13 +229,6 @@ fn pages(of: &Reproduction, out: &OutputFolder, took: Duration, progress: &Progr
 /// The file of the list of steps.
 const PAGE: &str = "reproduce.md";
 
-/// Writes the list of steps, with what was measured, where it stands and what was left out, into the folder of all.
-fn write_list(found: &Reproduction, out: &OutputFolder, took: Duration) -> Result<PathBuf, CliError> {
-    let pages = |step: &Step| pages_in(&out.path().join(&step.name));
-    let text = list(found, &out.path().display().to_string(), took, pages);
-    Ok(out.write(PAGE, text.as_bytes())?)
-}
-
 /// The pages in a step's folder, in the order of their names.
 fn pages_in(folder: &Path) -> Vec<String> {
     let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -242,6 +236,7 @@ fn pages_in(folder: &Path) -> Vec<String> {
     names.filter(|name| name.ends_with(".md")).sorted().collect()
 }
 
+/// The list of steps, with what was measured, where it stands and what was left out.
 fn list(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Step) -> Vec<String>) -> String {
     let done = found.steps.iter().filter(|step| step.state == State::Done).count();
     let mut text = format!(

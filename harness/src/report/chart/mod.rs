@@ -128,11 +128,6 @@ fn caption_with(record: &Record, more: &str) -> String {
     format!("Commit {commit}; preset {preset}{smoke}{more}. Machine: {}.", from.machine.label())
 }
 
-fn name_with_unit(name: &str, unit: &str) -> String {
-    let name = cut(name, LONGEST_VALUE);
-    if unit.is_empty() { name } else { format!("{name} ({unit})") }
-}
-
 /// What an axis of wrong answers is called.
 fn error_name(query: Query) -> String {
     match query {

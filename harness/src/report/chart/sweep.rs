@@ -13,7 +13,8 @@ use super::frame::{Chart, Entry, Sample};
 use super::palette::{INK, PLAIN, Shape, Style, Styles};
 use super::panel::{Aside, Axis, Mark, Panel, Scale, level};
 use super::scale::log_range;
-use super::{LONGEST_VALUE, caption, cut, invalid, name_with_unit, panel_title, scene_title};
+use super::{LONGEST_VALUE, caption, cut, invalid, panel_title, scene_title};
+use crate::cases;
 use crate::report::format;
 use crate::report::group::Role;
 use crate::report::metrics::{self, BALANCED, BUILD_TIME, SPEED, STRUCTURE};
@@ -39,7 +40,7 @@ pub(in crate::report) fn chart(record: &Record, view: &View<'_>) -> Chart {
     };
     let all = &view.axis.values;
     let own = all.iter().position(|value| *value == view.axis.own);
-    let values = Values::even(name_with_unit(&view.axis.name, &view.axis.unit), all, own);
+    let values = Values::even(cases::label(&cut(&view.axis.name, LONGEST_VALUE), &view.axis.unit), all, own);
     let values = values.skipping(all.iter().map(skipped));
     let plain = Style { colour: INK, shape: Shape::Circle };
     let of_curve = |curve| if view.other.is_none() { plain } else { curve_styles.get(&curve_label(curve)) };

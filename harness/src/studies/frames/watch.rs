@@ -408,7 +408,11 @@ impl Watch<'_> {
             let rendered = studio.rendered(reference, answering, name, counts);
             if let Some(rendered) = series.served(work, rendered, &mut skip)?.filter(|_| counts) {
                 let rendered = series.rendered(here.number, work, rendered, here.motion.as_deref());
-                if matches!(answering, Answering::Control(Control::Oracle)) && !is_perfect(&rendered) {
+                // The oracle's image and all its answers are the truth's, and nothing flickers.
+                let is_true = |image: &ImageRow| image.mse == 0.0 && image.flicker.is_none_or(|change| change == 0.0);
+                let is_perfect = rendered.image.as_ref().is_some_and(is_true)
+                    && rendered.waves.iter().all(|wave| wave.right == [wave.judged; 3]);
+                if matches!(answering, Answering::Control(Control::Oracle)) && !is_perfect {
                     return Err(RunError::Control(format!("the oracle's image of {work} is not the truth's")));
                 }
                 row.works.insert(work.to_owned(), rendered);
@@ -494,11 +498,4 @@ impl Watch<'_> {
         self.scene.pictures = images::keep(first, [&self.truths, &[]], self.request.fps, self.context)?;
         Ok(SceneMeasured { scene: self.scene, rows, skipped: self.skipped, interleaved_set })
     }
-}
-
-/// Whether an image and all answers are the truth's, and nothing flickers.
-fn is_perfect(work: &WorkRow) -> bool {
-    let answers = work.waves.iter().all(|wave| wave.right == [wave.judged; 3]);
-    answers
-        && work.image.as_ref().is_some_and(|image| image.mse == 0.0 && image.flicker.is_none_or(|change| change == 0.0))
 }

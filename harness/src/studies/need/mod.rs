@@ -184,7 +184,10 @@ fn curve(
     // As far as each axis may shrink alone, all at once: by ray set, and by both measures.
     let together = joint(record, section, &curve);
     // What was found together elsewhere is tried here as well.
-    let together = together.into_iter().chain(joint_before(&section.curves, request)).unique();
+    let is_own = |curve: &&NeedCurve| curve.tracer == request.name() && curve.preset == request.preset.name();
+    let elsewhere = section.curves.iter().filter(is_own).flat_map(|curve| &curve.points);
+    let elsewhere = elsewhere.map(|point| point.shrunk.clone()).filter(|shrunk| shrunk.len() > 1);
+    let together = together.into_iter().chain(elsewhere).unique();
     let mut joints: Vec<Shrunk> = singles.first().cloned().into_iter().collect();
     joints.extend(together.filter_map(|values| shrunk(request, plan.preset, values)));
     joints.truncate(MAX_RESIDENT);
@@ -194,13 +197,6 @@ fn curve(
         measure::add(record, found);
     }
     Ok(curve)
-}
-
-/// What several axes had at once of a tracer in other places, each once.
-fn joint_before(curves: &[NeedCurve], request: &TracerRequest) -> Vec<BTreeMap<String, String>> {
-    let is_own = |curve: &&NeedCurve| curve.tracer == request.name() && curve.preset == request.preset.name();
-    let points = curves.iter().filter(is_own).flat_map(|curve| &curve.points);
-    points.map(|point| &point.shrunk).filter(|shrunk| shrunk.len() > 1).unique().cloned().collect()
 }
 
 /// What several axes have at once, each as far as it may shrink alone; only where that is more than one.
