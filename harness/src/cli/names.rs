@@ -249,14 +249,6 @@ pub(super) fn ray_values(settings: &[String]) -> Result<Parameters, CliError> {
     Ok(parameters)
 }
 
-/// Refuses what `--set` says about ray sets where there are none.
-pub(super) fn tracers_only(settings: &[String]) -> Result<(), CliError> {
-    match settings.iter().find(|setting| setting.starts_with("rays.")) {
-        None => Ok(()),
-        Some(setting) => refuse(format!("--set {setting}: cases bring their own rays")),
-    }
-}
-
 /// The name under which parameters of ray sets are set.
 const RAYS: &str = "rays";
 

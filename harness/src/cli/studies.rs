@@ -273,7 +273,9 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     }
     // Arguments are checked before any device or file is touched.
     let mut requests = names::tracers(&arguments.tracer, &arguments.settings)?;
-    names::tracers_only(&arguments.settings)?;
+    if let Some(setting) = arguments.settings.iter().find(|setting| setting.starts_with("rays.")) {
+        return refuse(format!("--set {setting}: cases bring their own rays"));
+    }
     if arguments.settings.is_empty() {
         // Tracers that `all` has in several forms are expected something of in their own.
         requests.retain(|request| request.required || request.changed.is_empty());

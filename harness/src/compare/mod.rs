@@ -271,16 +271,11 @@ fn caveat(a: (&Record, &Times), b: (&Record, &Times)) -> Option<Caveat> {
     let fewest = a.1.samples_ms.len().min(b.1.samples_ms.len());
     let interleaved_sets = [a, b].map(|(record, times)| record.interleaved_set(times));
     let [one, other] = interleaved_sets.map(Vec::from_iter);
-    let changed = kernels_changed(&one, &other);
-    match () {
-        () if invalid.is_some() => invalid.map(Caveat::Void),
-        () if fewest < MIN_ROUNDS as usize => Some(Caveat::FewRounds(fewest)),
-        () if interleaved_sets.iter().flatten().any(|interleaved_set| interleaved_set.drift) => {
-            Some(Caveat::Drift("within an interleaved set".to_owned()))
-        }
-        () if changed => Some(Caveat::Drift("the fixed kernel took another time".to_owned())),
-        () => None,
-    }
+    let few = (fewest < MIN_ROUNDS as usize).then_some(Caveat::FewRounds(fewest));
+    let drifts = interleaved_sets.iter().flatten().any(|interleaved_set| interleaved_set.drift);
+    let changed = kernels_changed(&one, &other).then_some("the fixed kernel took another time");
+    let drift = drifts.then_some("within an interleaved set").or(changed);
+    invalid.map(Caveat::Void).or(few).or(drift.map(|why| Caveat::Drift(why.to_owned())))
 }
 
 /// `comparable`: both were timed on the same machine, as far as that is known.

@@ -4,13 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::measure::records;
-use crate::results::{BuildRecord, FrameSeries, FramesRecord, MemoryRecord, Record, Row, WorkRow};
-
-/// Figures of a work in a frame: an image's PSNR, and the share of a set's rays that are right under `footprint`.
-fn figures_of(work: &WorkRow) -> [(&'static str, Option<f64>); 2] {
-    let right = work.waves.first().map(|wave| wave.right[2] as f64 / wave.judged as f64);
-    [("psnr_db", work.image.as_ref().and_then(|image| image.psnr_db)), ("footprint", right)]
-}
+use crate::results::{BuildRecord, FrameSeries, FramesRecord, MemoryRecord, Record, Row};
 
 /// A record of frames with a row for each tracer in a scene; any other as it is. What its frames come to stands as what its structure says
 /// of itself.
@@ -30,7 +24,10 @@ fn row(section: &FramesRecord, series: &FrameSeries) -> Row {
     let mut figures = BTreeMap::new();
     for (number, frame) in series.frames.iter().enumerate() {
         for (work, row) in &frame.works {
-            let told = figures_of(row).into_iter();
+            // Of a set's rays the share that is right under `footprint`.
+            let right = row.waves.first().map(|wave| wave.right[2] as f64 / wave.judged as f64);
+            let psnr_db = row.image.as_ref().and_then(|image| image.psnr_db);
+            let told = [("psnr_db", psnr_db), ("footprint", right)].into_iter();
             figures.extend(told.filter_map(|(name, figure)| Some((format!("{work} {name} {number}"), figure?))));
         }
     }

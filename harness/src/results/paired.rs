@@ -276,17 +276,11 @@ impl Record {
         let fewest = lots.iter().flatten().map(Vec::len).min().unwrap_or(0);
         let invalid = both().find_map(|part| part.times.invalid.clone());
         let known = both().all(|part| self.interleaved_set(part.times).is_some());
-        let caveat = if let Some(why) = invalid {
-            Some(Caveat::Void(why))
-        } else if lots.contains(&None) || ratio.is_none() {
-            Some(Caveat::NoTimes)
-        } else if !known {
-            Some(Caveat::Unrecorded)
-        } else if fewest < MIN_ROUNDS as usize {
-            Some(Caveat::FewRounds(fewest))
-        } else {
-            self.drift(one, other, pairing).map(Caveat::Drift)
-        };
+        let untimed = (lots.contains(&None) || ratio.is_none()).then_some(Caveat::NoTimes);
+        let unrecorded = (!known).then_some(Caveat::Unrecorded);
+        let few = (fewest < MIN_ROUNDS as usize).then_some(Caveat::FewRounds(fewest));
+        let drift = || self.drift(one, other, pairing).map(Caveat::Drift);
+        let caveat = invalid.map(Caveat::Void).or(untimed).or(unrecorded).or(few).or_else(drift);
         Paired { ratio, pairing, caveat }
     }
 
