@@ -156,10 +156,8 @@ impl<'a> Evaluation<'a> {
 
     fn rows(&mut self, tracer: &'a Expression, alike: bool, values: &'a [(String, Expression)]) -> Option<Value<'a>> {
         let tracer = self.value(tracer)?.text()?;
-        let mut said = Vec::new();
-        for (name, value) in values {
-            said.push((name.as_str(), self.value(value)?.text()?));
-        }
+        let said = values.iter().map(|(name, value)| Some((name.as_str(), self.value(value)?.text()?)));
+        let mut said = said.collect::<Option<Vec<_>>>()?;
         said.retain(|(_, value)| value != "first");
         let names: Vec<&str> = said.iter().map(|(name, _)| *name).collect();
         let is = |row: &&Row| said.iter().all(|(name, value)| value == ANY || has(row, name, value));

@@ -188,20 +188,15 @@ fn log_ticks((low, high): (f64, f64), max_labels: usize) -> Vec<Tick> {
     let step = (decades / max_labels.max(1) as f64).ceil().max(1.0) as i64;
     let between = decades * 3.0 <= max_labels as f64;
     let mut ticks = Vec::new();
-    for decade in low.floor() as i64..=high.ceil() as i64 {
-        for digit in 1..10 {
-            let value = f64::from(digit) * 10_f64.powi(decade as i32);
-            if !(low - 1e-9..=high + 1e-9).contains(&value.log10()) {
-                continue;
-            }
-            let labelled = match digit {
-                1 => decade.rem_euclid(step) == 0,
-                2 | 5 => between,
-                _ => false,
-            };
-            if digit == 1 || decades <= 6.0 {
-                ticks.push((value, labelled));
-            }
+    for (decade, digit) in (low.floor() as i64..=high.ceil() as i64).cartesian_product(1..10) {
+        let value = f64::from(digit) * 10_f64.powi(decade as i32);
+        let labelled = match digit {
+            1 => decade.rem_euclid(step) == 0,
+            2 | 5 => between,
+            _ => false,
+        };
+        if (low - 1e-9..=high + 1e-9).contains(&value.log10()) && (digit == 1 || decades <= 6.0) {
+            ticks.push((value, labelled));
         }
     }
     ticks

@@ -6,7 +6,7 @@ use tracebench_api::{ClockKind, Query};
 use super::front::{CostAndError, FrontStatus, front_statuses};
 use crate::results::{
     Accuracy, FrontPoint, FrontScene, Judgement, ParetoRecord, Record, Row, Rule, Timed, Times, TraceRecord,
-    ViewpointRecord, same_rays,
+    ViewpointRecord, gathered, same_rays,
 };
 use crate::statistics::{median, median_interval, rule_of_three};
 use crate::studies::tune;
@@ -250,29 +250,17 @@ pub fn fields<'a>(record: &'a Record, section: &'a ParetoRecord, scene: &'a Fron
             let traced = record.controls.iter().filter(here).filter_map(beside);
             traced.unique_by(|(row, _)| row.tracer.name.clone()).collect()
         };
-        let mut fields: Vec<Field<'a>> = Vec::new();
-        for (index, point) in section.points.iter().enumerate() {
-            let Some(row) = rows.iter().copied().find(|row| point.is_of(row)) else { continue };
-            for trace in row.traces.iter().filter(|trace| !sees_nothing(trace)) {
-                let entry = Entry { index, point, row, trace };
-                match fields.iter_mut().find(|field| field.rays == trace.rays) {
-                    Some(field) => field.entries.push(entry),
-                    None => fields.push(Field {
-                        record,
-                        section,
-                        scene,
-                        viewpoint,
-                        rays: &trace.rays,
-                        query: trace.query,
-                        count: trace.count,
-                        entries: vec![entry],
-                        controls: controls(trace),
-                        elsewhere: None,
-                    }),
-                }
-            }
-        }
-        fields
+        let entries = section.points.iter().enumerate().filter_map(|(index, point)| {
+            let row = rows.iter().copied().find(|row| point.is_of(row))?;
+            let seen = row.traces.iter().filter(|trace| !sees_nothing(trace));
+            Some(seen.map(move |trace| (trace.rays.as_str(), Entry { index, point, row, trace })))
+        });
+        let field = |(rays, entries): (&'a str, Vec<Entry<'a>>)| {
+            let TraceRecord { query, count, .. } = *entries[0].trace;
+            let controls = controls(entries[0].trace);
+            Field { record, section, scene, viewpoint, rays, query, count, entries, controls, elsewhere: None }
+        };
+        gathered(entries.flatten()).into_iter().map(field).collect::<Vec<_>>()
     };
     let mut fields = from(&scene.viewpoint);
     for there in scene.held_out.iter().flat_map(|there| from(&there.viewpoint)) {

@@ -44,14 +44,11 @@ impl<'a> Class<'a> {
 
 /// The classes of one ray set under one rule, by level and motion; those in which nobody is have no costs.
 pub fn classes<'a>(field: &'a Field<'a>, by: By, level: f64) -> Vec<Class<'a>> {
-    let mut members: Vec<Entry<'a>> = Vec::new();
-    for tracer in field.tracers() {
+    let found = field.tracers().into_iter().flat_map(|tracer| {
         let own = field.of_tracer(tracer);
-        for aim in [Aim::Fastest, Aim::QuickestBuilt] {
-            let found = best(field, &own, by, level, aim);
-            members.extend(found.filter(|found| members.iter().all(|other| other.index != found.index)));
-        }
-    }
+        [Aim::Fastest, Aim::QuickestBuilt].map(|aim| best(field, &own, by, level, aim))
+    });
+    let members: Vec<Entry<'a>> = found.flatten().unique_by(|entry| entry.index).collect();
     let class = |motion: Motion| {
         let cost = |entry: &Entry<'a>| class_cost(field, entry, motion);
         let costs: Vec<ClassCost<'a>> = members.iter().filter_map(cost).collect();
