@@ -123,12 +123,9 @@ pub(super) fn operating_points<'a>(fields: impl Iterator<Item = &'a Field<'a>>) 
     for (field, by, level) in asked(fields) {
         let all = std::iter::once(("all", field.entries.clone()));
         let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
-        for (of, entries) in all.chain(each) {
-            let chosen = |aim| {
-                let found = best(field, &entries, by, level, aim)?;
-                Some(Operating { field, by, level, of, aim, found })
-            };
-            rows.extend(Aim::ALL.into_iter().filter_map(chosen));
+        for ((of, entries), aim) in all.chain(each).cartesian_product(Aim::ALL) {
+            let found = best(field, &entries, by, level, aim);
+            rows.extend(found.map(|found| Operating { field, by, level, of, aim, found }));
         }
     }
     rows
@@ -200,15 +197,11 @@ fn one_of<'a>(place: usize, name: &str) -> Columns<'a, Pair<'a>> {
 /// A row a scene, ray set, rule, level, motion and pair of points of different tracers.
 pub(super) fn break_even_counts<'a>(fields: impl Iterator<Item = &'a Field<'a>>) -> Table {
     let all: Vec<Class<'_>> = asked(fields).flat_map(|(field, by, level)| classes(field, by, level)).collect();
-    let mut rows: Vec<Pair<'_>> = Vec::new();
-    for class in &all {
+    let rows = all.iter().flat_map(|class| {
         let pairs = class.costs.iter().tuple_combinations::<(_, _)>();
-        let of_several = pairs.filter(|(one, other)| other.entry.point.tracer != one.entry.point.tracer);
-        rows.extend(of_several.map(|(one, other)| {
-            let found = break_even(&one.cost, &other.cost);
-            Pair { class, both: [one, other], found }
-        }));
-    }
+        let pairs = pairs.filter(|(one, other)| other.entry.point.tracer != one.entry.point.tracer);
+        pairs.map(move |(one, other)| Pair { class, both: [one, other], found: break_even(&one.cost, &other.cost) })
+    });
     let sheet = Sheet::<Pair<'_>>::new()
         .csv_column("scene", |row| row.class.field.scene.scene.name.clone())
         .csv_column("rays", |row| row.class.field.rays.to_owned())
@@ -224,5 +217,5 @@ pub(super) fn break_even_counts<'a>(fields: impl Iterator<Item = &'a Field<'a>>)
         })
         .csv_column("beyond_measured", |row| row.found.at().map(|(.., beyond_measured)| beyond_measured))
         .csv_column("why", |row| row.found.undecided().map(str::to_owned));
-    sheet.table(&rows)
+    sheet.table(&rows.collect_vec())
 }
