@@ -64,6 +64,42 @@ fn moving() -> String {
     .to_string()
 }
 
+/// A glTF file of sixteen squares behind one another, which fill the view of a camera at two seconds, and little of it before and after.
+fn growing() -> String {
+    let corners = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0_f32]];
+    let times = [0.0, 1.0, 2.0, 3.0_f32];
+    let scales = [0.15, 0.15, 1.0, 0.15_f32].map(|scale| [scale; 3]);
+    let floats = [corners.as_flattened(), &times, scales.as_flattened()].concat();
+    let mut bytes: Vec<u8> = floats.iter().flat_map(|value| value.to_le_bytes()).collect();
+    bytes.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
+    let view = |[offset, length]: [u32; 2]| json!({"buffer": 0, "byteOffset": offset, "byteLength": length});
+    let views = [[0, 48], [48, 16], [64, 48], [112, 12]].map(view);
+    let squares = (0..16).map(|place| json!({"mesh": 0, "translation": [0.0, 0.0, -0.02 * f64::from(place)]}));
+    let camera = json!({"camera": 0, "translation": [0.0, 0.0, 0.7]});
+    let nodes: Vec<Value> = squares.chain([camera, json!({"children": (0..16).collect::<Vec<u32>>()})]).collect();
+    json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [16, 17]}],
+        "nodes": nodes,
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 3}]}],
+        "animations": [{"samplers": [{"input": 1, "output": 2, "interpolation": "LINEAR"}],
+                        "channels": [{"sampler": 0, "target": {"node": 17, "path": "scale"}}]}],
+        "buffers": [{"byteLength": bytes.len(),
+                     "uri": format!("data:application/octet-stream;base64,{}", BASE64.encode(&bytes))}],
+        "bufferViews": views,
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4,
+             "min": [-0.5, -0.5, 0.0], "max": [0.5, 0.5, 0.0]},
+            {"bufferView": 1, "componentType": 5126, "type": "SCALAR", "count": 4},
+            {"bufferView": 2, "componentType": 5126, "type": "VEC3", "count": 4},
+            {"bufferView": 3, "componentType": 5123, "type": "SCALAR", "count": 6},
+        ],
+    })
+    .to_string()
+}
+
 const SMALL: [&str; 6] = ["frames", "--quiet", "--preset", "smoke", "--size", "24x16"];
 
 /// Proves that a file whose mesh is skinned and morphed and whose camera moves is rendered in every frame, another one each; that pictures
@@ -240,4 +276,55 @@ fn frames_are_spread_and_joined() {
     let again = bench.call(&[&SMALL[..], &words, &["--out", "out", "--resume"]].concat());
     assert!(again.status == 0 && again.stderr.contains("is complete"), "{again:?}");
     assert!(std::fs::read(bench.path("out/run.json")).unwrap() == before);
+}
+
+/// Proves that a structure which the device cannot hold in one of the frames takes its tracer out, with an error that names the frame; that all
+/// of the others is kept, also of a run that is killed and gone on with; and that the complete record is left as it is, with the same error.
+/// Negative control: the frames before fit.
+#[test]
+fn a_structure_that_does_not_fit_names_its_frame() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("grow.gltf"), growing()).unwrap();
+    let words = ["--scene", "grow.gltf", "--tracer", "fragment-abuffer,bvh-cpu", "--effect", "depth,normals"];
+    // A fragment has 16 bytes of data: sixteen squares are a quarter of a GiB.
+    let size = ["--limits", "webgpu", "--frame-size", "1024x1024", "--face-size", "16", "--fps", "1"];
+    let call = |more: &[&'static str]| [&SMALL[..], &words, &size, &["--move", "geometry"], more].concat();
+    let whole = ["--frames", "4", "--out", "out"];
+    let resumed = [&whole[..], &["--resume"]].concat();
+    let out = bench.path("out");
+    let mut child = bench.command(&call(&whole)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while interleaved_sets(&out).is_empty() && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(2));
+    }
+    assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept: Value = serde_json::from_slice(&interleaved_sets(&out)["000-frames-depth.json"]).unwrap();
+    let parts = [
+        "not measured, the rest is kept: fragment-abuffer in grow: frame 2: ",
+        " bytes, the device allows 134217728: turn down --face-size, --frame-size",
+    ];
+    let is_refused = |outcome: &Outcome| outcome.status == 1 && parts.iter().all(|part| outcome.stderr.contains(part));
+    let outcome = bench.call(&call(&resumed));
+    assert!(is_refused(&outcome), "{outcome:?}");
+    let found = bench.result("out");
+    let skipped = found["skipped"].as_array().unwrap();
+    assert!(skipped.len() == 1 && skipped[0]["reason"].as_str().unwrap().starts_with("frame 2: "), "{skipped:?}");
+    assert!(std::fs::read_to_string(out.join("frames.md")).unwrap().contains("frame 2: "));
+    let frames = |of: &Value, name: &str| -> Vec<Value> {
+        let rows = of["rows"].as_array().unwrap().iter().filter(|row| row["tracer"]["name"] == name);
+        rows.map(|row| row["frames"].clone()).collect()
+    };
+    let bvh = frames(&found["frames"], "bvh-cpu");
+    assert!(bvh.len() == 2 && bvh.iter().all(|frames| frames.as_array().unwrap().len() == 4));
+    assert_eq!(frames(&found["frames"], "fragment-abuffer"), Vec::<Value>::new());
+    // With their times: what had ended was not measured again.
+    assert_eq!(bvh[..1], frames(&kept["ended"], "bvh-cpu"));
+    let before = std::fs::read(out.join("run.json")).unwrap();
+    let again = bench.call(&call(&resumed));
+    assert!(is_refused(&again) && again.stderr.contains("is complete"), "{again:?}");
+    assert!(std::fs::read(out.join("run.json")).unwrap() == before);
+    let fits = bench.call(&call(&["--frames", "2", "--out", "fits"]));
+    assert_eq!((fits.status, fits.stderr.as_str()), (0, ""), "{fits:?}");
+    assert_eq!(frames(&bench.result("fits")["frames"], "fragment-abuffer").len(), 2);
 }

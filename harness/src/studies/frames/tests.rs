@@ -1,7 +1,8 @@
-//! Frames of a tracer that is right, of one that sees from its own eye alone, and of one that errs in every other frame.
+//! Frames of a tracer that is right, of one that sees from its own eye alone, of one that errs in every other frame, and of some that the
+//! device cannot hold.
 
 use std::collections::BTreeSet;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use glam::Vec3;
 use tracebench_api::{
@@ -12,6 +13,8 @@ use tracebench_bvh::BvhCpu;
 use tracebench_tests::{Fake, Manner};
 
 use super::*;
+use crate::files::OutputFolder;
+use crate::machine;
 use crate::measure::{Journal, controls};
 use crate::plan::{RunPreset, SceneSource, ViewRequest};
 use crate::progress::Progress;
@@ -33,6 +36,10 @@ enum Fault {
     Blinks,
     /// Some answers are never written.
     Silent,
+    /// From the second update on the device cannot hold its structure.
+    Outgrows,
+    /// From the second update on the device cannot hold its answers.
+    Overflows,
 }
 
 struct Faulty(Fault);
@@ -63,7 +70,7 @@ impl Built {
             let misses = match self.fault {
                 Fault::Elsewhere => Vec3::from(ray.origin) != self.eye,
                 Fault::Blinks => self.updates % 2 == 1,
-                Fault::Silent => false,
+                Fault::Silent | Fault::Outgrows | Fault::Overflows => false,
             };
             if misses {
                 *hit = Hit::miss(Status::LeftViews);
@@ -73,6 +80,13 @@ impl Built {
             }
         }
         Ok(())
+    }
+
+    /// That the device can hold something, if it is not what this one has too much of by now.
+    fn fits(&self, fault: Fault, what: &str) -> Result<(), TracerError> {
+        let (name, hint) = (what.to_owned(), "--frame-size".to_owned());
+        let too_large = self.fault == fault && self.updates >= 2;
+        if too_large { Err(TracerError::TooLarge { name, bytes: 9, limit: 8, hint }) } else { Ok(()) }
     }
 }
 
@@ -89,10 +103,12 @@ impl Structure for Built {
             self.eye = viewpoint.eye;
         }
         self.updates += 1;
+        self.fits(Fault::Outgrows, "the structure")?;
         self.built.update(update, geometry, viewpoint, parameters, clock)
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.fits(Fault::Overflows, "the hit buffer")?;
         self.built.trace(job, hits, clock)?;
         self.forget(&job.rays.host, hits)
     }
@@ -131,6 +147,14 @@ fn lazy() -> TracerDescription {
     TracerDescription { name: "lazy", ..tracebench_bvh::description() }
 }
 
+fn outgrower() -> TracerDescription {
+    TracerDescription { name: "outgrower", ..tracebench_bvh::description() }
+}
+
+fn overflower() -> TracerDescription {
+    TracerDescription { name: "overflower", ..tracebench_bvh::description() }
+}
+
 fn tracer(name: &str) -> TracerRequest {
     static TOLD: LazyLock<Told> = LazyLock::new(|| serde_json::from_str(r#"{"family": "image"}"#).unwrap());
     static EXACT: LazyLock<Told> = LazyLock::new(|| {
@@ -141,6 +165,8 @@ fn tracer(name: &str) -> TracerRequest {
         "blinker" => (blinker, |_| Ok(Box::new(Faulty(Fault::Blinks)))),
         "silent" => (silent, |_| Ok(Box::new(Faulty(Fault::Silent)))),
         "lazy" => (lazy, |_| Ok(Box::new(Fake(Manner::Lazy)))),
+        "outgrower" => (outgrower, |_| Ok(Box::new(Faulty(Fault::Outgrows)))),
+        "overflower" => (overflower, |_| Ok(Box::new(Faulty(Fault::Overflows)))),
         _ => return TracerRequest::of(registry::find("bvh-cpu").unwrap(), Preset::Published),
     };
     let told = if name == "blinker" { &EXACT } else { &TOLD };
@@ -470,4 +496,54 @@ fn what_is_no_answer_ends_the_run() {
     assert!(error.contains("start in several"), "{error}");
     let still = measured(&plan("room", &["bvh-cpu"], 1), &request(&[], 2, Moves::Geometry, Updates::Auto));
     assert!(still.err().unwrap().to_string().contains("no animation"));
+}
+
+/// Proves that a structure which the device cannot hold in one of the frames, or answers which it cannot, take out their tracer alone, for a
+/// reason that names the frame; that frames which were traced before are kept, and all of the others with their times, though the first of
+/// these does not end; that a run which is gone on with takes this as it is; and that where no tracer is left the error names the frame.
+/// Negative control: in the frames before nothing is left out.
+#[test]
+fn what_the_device_cannot_hold_names_its_frame() {
+    let names = ["outgrower", "overflower", "bvh-cpu"];
+    let asked = |effects: &[Effect], frames: u32| request(effects, frames, Moves::Camera, Updates::Rebuild);
+    let moving = plan("room", &names, 0);
+    let none: registry::Device = Err(TracerError::Unavailable("none is needed".to_owned()));
+    let (cache, quiet) = (Cache::none(), Progress::new(true));
+    let kept_in = |journal: &Journal, effects: &[Effect]| {
+        execute(&moving, &asked(effects, 4), &Context::new(&none, &cache, &quiet, journal)).unwrap()
+    };
+    let frames = |record: &Record| -> [Vec<usize>; 3] {
+        let rows = &record.frames.as_ref().unwrap().rows;
+        let of = |name: &str| rows.iter().filter(|row| row.tracer.name == name).map(|row| row.frames.len()).collect();
+        names.map(of)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let results = Arc::new(OutputFolder::open(folder.path()).unwrap());
+    let (words, here) = (serde_json::json!("the same"), machine::this_machine(None));
+    let journal = Journal::begin(&results, &words, &here, None).unwrap();
+    let record = kept_in(&journal, &[Effect::Depth]);
+    drop(journal);
+    // It is found out while nothing is traced yet, the other one by its trace.
+    assert_eq!(frames(&record), [vec![], vec![2], vec![4]]);
+    let skipped: Vec<(Option<&str>, &str)> =
+        record.skipped.iter().map(|one| (one.tracer.as_deref(), one.reason.as_str())).collect();
+    let [structure, hits] = ["structure", "hit buffer"]
+        .map(|what| format!("frame 2: the {what} needs 9 bytes, the device allows 8: turn down --frame-size"));
+    assert_eq!(skipped, [(Some("outgrower"), structure.as_str()), (Some("overflower"), hits.as_str())]);
+    let rest = series(&record, "bvh-cpu");
+    assert!(rest.invalid.is_none() && works(&rest, "depth").iter().all(|work| work.waves[0].trace_ms.is_some()));
+    assert!(Record::read(&serde_json::to_vec(&record).unwrap()).is_ok());
+    let files = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
+    let page = files.iter().find(|(name, _)| name == "frames.md").unwrap().1.clone();
+    assert!(String::from_utf8(page).unwrap().contains("frame 2: the structure needs 9 bytes"));
+    let journal = Journal::resume(&results, &words, &here).unwrap();
+    let both = kept_in(&journal, &[Effect::Depth, Effect::Normals]);
+    assert_eq!(frames(&both), [vec![], vec![2, 2], vec![4, 4]]);
+    let [rows, first] = [&both, &record].map(|record| &record.frames.as_ref().unwrap().rows);
+    assert_eq!((&rows[..first.len()], &both.skipped), (&first[..], &record.skipped));
+    let alone = measured(&plan("room", &["outgrower"], 0), &asked(&[Effect::Depth], 4));
+    let error = alone.err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.contains("outgrower: frame 2: the structure needs 9 bytes"), "{error}");
+    let fewer = measured(&moving, &asked(&[Effect::Depth], 2)).unwrap();
+    assert_eq!((frames(&fewer), fewer.skipped.len()), ([vec![2], vec![2], vec![2]], 0));
 }
