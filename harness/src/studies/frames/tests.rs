@@ -36,11 +36,16 @@ enum Fault {
     Blinks,
     /// Some answers are never written.
     Silent,
+    /// One ray of [`SPECKLED`].
+    Speckled,
     /// From the second update on the device cannot hold its structure.
     Outgrows,
     /// From the second update on the device cannot hold its answers.
     Overflows,
 }
+
+/// So few of an image are wrong that it looks right.
+const SPECKLED: usize = 256;
 
 struct Faulty(Fault);
 
@@ -66,10 +71,11 @@ impl Tracer for Faulty {
 
 impl Built {
     fn forget(&self, rays: &[Ray], hits: &mut HitBuffer) -> Result<(), TracerError> {
-        for (ray, hit) in rays.iter().zip(hits.host_mut(rays.len())?) {
+        for (index, (ray, hit)) in rays.iter().zip(hits.host_mut(rays.len())?).enumerate() {
             let misses = match self.fault {
                 Fault::Elsewhere => Vec3::from(ray.origin) != self.eye,
                 Fault::Blinks => self.updates % 2 == 1,
+                Fault::Speckled => index % SPECKLED == SPECKLED / 2,
                 Fault::Silent | Fault::Outgrows | Fault::Overflows => false,
             };
             if misses {
@@ -139,6 +145,10 @@ fn blinker() -> TracerDescription {
     TracerDescription { name: "blinker", ..tracebench_bvh::description() }
 }
 
+fn speckled() -> TracerDescription {
+    TracerDescription { name: "speckled", ..tracebench_bvh::description() }
+}
+
 fn silent() -> TracerDescription {
     TracerDescription { name: "silent", ..tracebench_bvh::description() }
 }
@@ -163,13 +173,14 @@ fn tracer(name: &str) -> TracerRequest {
     let (description, create): (fn() -> TracerDescription, Create) = match name {
         "onlooker" => (onlooker, |_| Ok(Box::new(Faulty(Fault::Elsewhere)))),
         "blinker" => (blinker, |_| Ok(Box::new(Faulty(Fault::Blinks)))),
+        "speckled" => (speckled, |_| Ok(Box::new(Faulty(Fault::Speckled)))),
         "silent" => (silent, |_| Ok(Box::new(Faulty(Fault::Silent)))),
         "lazy" => (lazy, |_| Ok(Box::new(Fake(Manner::Lazy)))),
         "outgrower" => (outgrower, |_| Ok(Box::new(Faulty(Fault::Outgrows)))),
         "overflower" => (overflower, |_| Ok(Box::new(Faulty(Fault::Overflows)))),
         _ => return TracerRequest::of(registry::find("bvh-cpu").unwrap(), Preset::Published),
     };
-    let told = if name == "blinker" { &EXACT } else { &TOLD };
+    let told = if ["blinker", "speckled"].contains(&name) { &EXACT } else { &TOLD };
     let registration = Registration { description, create, parts: None, told };
     TracerRequest::of(&registration, Preset::Published)
 }
@@ -298,18 +309,19 @@ fn every_other_frame_is_found() {
 }
 
 /// Which images of exact tracers with every effect differ from the truth by more than rounding does, if some do. Every pixel that differs
-/// names the wave that differs first.
+/// names the wave that differs first. Negative control: those of one that is said to be exact and misses a ray of [`SPECKLED`] do.
 fn beyond_the_floor(
     scene: &str,
     size: [u32; 2],
-    tracers: Vec<TracerRequest>,
+    mut tracers: Vec<TracerRequest>,
     device: &registry::Device,
 ) -> Option<String> {
+    tracers.push(tracer("speckled"));
     let whole = plan(scene, &[], 0);
     let plan = Plan { tracers, preset: RunPreset { ray_image: size, ..whole.preset }, ..whole };
     let asked = request(&Effect::ALL, 2, Moves::Both, Updates::Auto);
     let record = measured_on(device, &plan, &asked).unwrap();
-    let section = record.frames.unwrap();
+    let mut section = record.frames.unwrap();
     let exact: Vec<&FrameSeries> = section.rows.iter().filter(|row| row.floor_holds.is_some()).collect();
     // Every tracer with every effect, but for what this machine does not have.
     assert!(record.skipped.iter().all(|skipped| skipped.reason.contains("not available")), "{:?}", record.skipped);
@@ -320,17 +332,24 @@ fn beyond_the_floor(
         assert_eq!(image.beyond, image.beyond_by_wave.values().sum::<u64>());
         assert!(!image.beyond_by_wave.contains_key("none"), "{image:?}");
     }
+    let (speckled, others) = section.rows.into_iter().partition(|row| row.tracer.name == "speckled");
+    section.rows = speckled;
+    let found = section.fault().unwrap_or_default();
+    for effect in Effect::ALL {
+        assert!(found.contains(&format!("speckled with {} in {scene}", effect.name())), "{found}");
+    }
+    section.rows = others;
     section.fault()
 }
 
-/// Proves that a hierarchy's images keep to the floor of exact tracers.
+/// Proves that a hierarchy's images keep to the floor of exact tracers, at a size of which 0.02 % is a pixel.
 #[test]
 fn exact_tracers_keep_to_the_floor() {
     let none = Err(TracerError::Unavailable("none is needed".to_owned()));
-    assert_eq!(beyond_the_floor("cloth", [48, 32], vec![tracer("bvh-cpu")], &none), None);
+    assert_eq!(beyond_the_floor("cloth", [96, 64], vec![tracer("bvh-cpu")], &none), None);
 }
 
-/// The same of all exact tracers in every scene, at a size of which 0.02 % is a pixel.
+/// The same of all exact tracers in every scene.
 #[test]
 #[ignore = "wider set: every effect in every scene, by all exact tracers"]
 fn exact_tracers_keep_to_the_floor_in_every_scene() {
