@@ -283,6 +283,27 @@ fn lossless_trees_find_what_pixels_show_at_full_size() {
     check_lossless(size, &scenes);
 }
 
+/// Proves that of the diffuse rays in the atrium whose pixel's centre shows the triangle that they hit, or one as near, merging costs the
+/// improved form at most 1.5 points. Negative control: by the published threshold it costs more.
+#[test]
+fn improved_loses_little_to_its_lossless_tree() {
+    const MOST_LOST: f64 = 0.015;
+    let gpu = gpu();
+    let size = Size { scale: 1.0, frame: [1024, 512], rays: [256, 128] };
+    let session = session(&gpu, "atrium", &["diffuse"], size);
+    let of = |settings: &[(&str, &str)]| {
+        outcome(&session, &built(&session, Preset::Improved, settings), &session.rays[0]).at_centre
+    };
+    let [lossless, improved] = [of(&LOSSLESS), of(&[])];
+    let coarse = of(&[("gamma_dist", "1e-5"), ("gamma_dist_in", "cube")]);
+    println!("right: lossless {lossless:?}, merged {improved:?}, by the published threshold {coarse:?}");
+    assert!(lossless.rays > 5000, "{lossless:?}");
+    assert_eq!([improved.rays, coarse.rays], [lossless.rays; 2]);
+    let lost = |share: Share| lossless.value() - share.value();
+    assert!(lost(improved) <= MOST_LOST, "{lossless:?} {improved:?}");
+    assert!(lost(coarse) > MOST_LOST, "{lossless:?} {coarse:?}");
+}
+
 /// Holds both presets, as they are, against each other on the rays whose triangle their pixels' centres surely show.
 fn check_halved(size: Size, scenes: &[&str]) {
     // Of few wrong rays one more or less tells nothing.
