@@ -150,7 +150,7 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
     for part in parts(list, "--tracer")? {
         let mut pieces = part.split('@');
         let head = pieces.next().unwrap_or_default();
-        let own: Vec<&str> = pieces.collect();
+        let own: Vec<&str> = parts_first(pieces).collect();
         let (name, preset) = match head.split_once(':') {
             None => (head, Preset::Published),
             Some((name, text)) => (name, find("preset", text, Preset::ALL.into_iter(), |preset| preset.name())?),
@@ -283,12 +283,19 @@ fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), 
     request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
 }
 
+/// Settings in their order, but those of a tracer's part behind the one that says which part it is, which has fewer dots.
+fn parts_first<S: AsRef<str>>(settings: impl IntoIterator<Item = S>) -> impl Iterator<Item = S> {
+    settings
+        .into_iter()
+        .sorted_by_key(|setting| setting.as_ref().split('=').next().unwrap_or_default().matches('.').count())
+}
+
 /// Applies every `--set` that is about a tracer. Values that stand with a tracer's own name are more particular and stay; gives the first
 /// that has nothing to set, since all requests of its tracer have a value of their own there.
 fn apply_all(settings: &[String], requests: &mut [TracerRequest]) -> Result<Option<CliError>, CliError> {
     let own: Vec<Vec<String>> = requests.iter().map(|request| request.changed.clone()).collect();
     let mut idle = None;
-    for setting in settings {
+    for setting in parts_first(settings) {
         let (tracer, parameter, value) = split(setting)?;
         if tracer == RAYS {
             continue;
@@ -369,12 +376,16 @@ mod tests {
         {
             assert_eq!(value(&asked, name).as_deref(), Some(expected), "{name}");
         }
-        let published = one("hybrid@first.stride=2@first=screen-dda").unwrap();
-        assert_eq!(published.changed, ["first"]);
-        assert_eq!(
-            (value(&published, "first.stride"), value(&published, "first.march")),
-            (Some("1".to_owned()), Some("pixels".to_owned()))
-        );
+        // In whatever order they stand.
+        let before =
+            tracers("hybrid", &["hybrid.first.stride=2", "hybrid.first=screen-dda"].map(str::to_owned)).unwrap();
+        for published in [one("hybrid@first.stride=2@first=screen-dda").unwrap(), before[0].clone()] {
+            assert_eq!(published.changed, ["first", "first.stride"]);
+            assert_eq!(
+                (value(&published, "first.stride"), value(&published, "first.march")),
+                (Some("2".to_owned()), Some("pixels".to_owned()))
+            );
+        }
         let other = one("hybrid@then.tree=lbvh@first=quadtree:improved").unwrap();
         assert_eq!((value(&other, "first.march"), value(&other, "then.tree")), (None, Some("lbvh".to_owned())));
         assert!(other.registration.describe().parameters.iter().any(|each| each.name == "first.levels"));
@@ -384,7 +395,9 @@ mod tests {
             let refused = message(one(&format!("hybrid@{part}")));
             assert!(refused.contains("is not allowed: one of bvh-gpu, "), "{refused}");
         }
-        assert!(message(one("hybrid@first=quadtree@first.stride=2")).contains("parameter of hybrid 'first.stride'"));
+        for text in ["hybrid@first=quadtree@first.stride=2", "hybrid@first.stride=2@first=quadtree"] {
+            assert!(message(one(text)).contains("parameter of hybrid 'first.stride'"));
+        }
         let named = |text: &str| one(&format!("hybrid@first={text}@then={text}:improved")).is_ok();
         let on_device = TRACERS.iter().filter(|each| each.needs_device() && each.parts.is_none());
         assert_eq!(on_device.filter(|each| named(each.name())).count(), TRACERS.len() - 2);
