@@ -59,11 +59,14 @@ impl<'a> Shown<'a> {
         self.series.frames.iter().skip(skipped).filter_map(|row| row.ms(self.work)).collect()
     }
 
-    /// The share of rays that are right by the rule of a place, of the first wave or of all.
+    /// The share of rays that are right by the rule of a place, of the first wave or of all; those of a wave that are judged stand for all of it.
     pub(in crate::report) fn right(&self, rule: usize, first: bool) -> Option<f64> {
         let waves = self.rows().flat_map(|(_, work)| work.waves.iter().take(if first { 1 } else { usize::MAX }));
-        let [right, judged] = waves.fold([0, 0], |sum, wave| [sum[0] + wave.right[rule], sum[1] + wave.judged]);
-        (judged > 0).then(|| right as f64 / judged as f64)
+        let [right, rays] = waves.filter(|wave| wave.judged > 0).fold([0.0; 2], |[right, rays], wave| {
+            let all = wave.rays as f64;
+            [right + all * wave.right[rule] as f64 / wave.judged as f64, rays + all]
+        });
+        (rays > 0.0).then(|| right / rays)
     }
 
     /// The share of pairs of surface points that turned.
@@ -128,7 +131,7 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
     let page = summary::head(record, "Frames of moving scenes").paragraph(format!(
         "{frames} frames at {fps} a second; what moves: {moves}; structures: {update}.{cut} {what} A round is a frame, after one pass to \
          warm up. Frame time is that of the update and of the traces of all waves by the host's clock, without shading and uploads; of several \
-         frames the first, which builds, is not counted. Three figures are median / 95th percentile / worst of the frames; jitter is the 95th percentile \
+         frames the first, which builds, is not counted. Of all waves each counts by its rays. Three figures are median / 95th percentile / worst of the frames; jitter is the 95th percentile \
          over the median. *Turned*: of pairs of successive frames in which a surface point is seen, those whose answer along a direction \
          fixed in its triangle turns from right to wrong or back. The controls score what they must, else there would be no page."
     ));

@@ -314,6 +314,25 @@ fn every_other_frame_is_found() {
     }
 }
 
+/// Proves that of all waves each counts by its rays on the page, however many of them are judged.
+#[test]
+fn waves_count_by_their_rays() {
+    let asked = request(&[Effect::Ao], 1, Moves::Camera, Updates::Rebuild);
+    let mut record = measured(&plan("room", &["bvh-cpu"], 0), &asked).unwrap();
+    let mut rows = record.frames.as_mut().unwrap().rows.iter_mut();
+    let own = rows.find(|row| row.tracer.name == "bvh-cpu").unwrap();
+    let waves = &mut own.frames[0].works.get_mut("ao").unwrap().waves;
+    for (wave, (rays, right)) in waves.iter_mut().zip([(100, 100), (800, 50)]) {
+        (wave.rays, wave.judged, wave.right) = (rays, 100, [right; 3]);
+    }
+    assert_eq!(waves.len(), 2);
+    let page = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
+    let page = String::from_utf8(page.iter().find(|(file, _)| file == "frames.md").unwrap().1.clone()).unwrap();
+    let line = page.lines().find(|line| line.starts_with("| bvh-cpu |")).unwrap();
+    // 100 and a half of 800 of 900.
+    assert!(line.contains("| 55.56 / 55.56 / 55.56 |"), "{line}");
+}
+
 /// Which images of exact tracers with every effect differ from the truth by more than rounding does, if some do. Every pixel that differs
 /// names the wave that differs first. Negative control: those of one that is said to be exact and misses a ray of [`SPECKLED`] do.
 fn beyond_the_floor(
