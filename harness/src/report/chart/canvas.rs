@@ -22,6 +22,9 @@ pub(in crate::report) const SCALE: f64 = 2.0;
 const FAMILY: &str = "Roboto, Arial, Helvetica, sans-serif";
 const FAMILY_ATTRIBUTE: &str = " font-family=\"Roboto, Arial, Helvetica, sans-serif\"";
 
+/// Of lines; of a whole drawing, where all else names its colour.
+const UNFILLED: &str = " fill=\"none\"";
+
 /// plotters measures fonts by line height: this many times the em in its SVG backend.
 const LINE_HEIGHT: f64 = 1.24;
 
@@ -131,7 +134,7 @@ impl Canvas {
         // A string takes all that is written.
         let _ = self.paint(SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area(), 0.0);
         let page = format!("width=\"{width}\" height=\"{height}\"");
-        let in_points = format!("width=\"{wide}\" height=\"{high}\"{FAMILY_ATTRIBUTE}");
+        let in_points = format!("width=\"{wide}\" height=\"{high}\"{FAMILY_ATTRIBUTE}{UNFILLED}");
         compact(&svg).replacen(&page, &in_points, 1)
     }
 
@@ -192,28 +195,50 @@ fn pixel((x, y): Place) -> Pixel {
     ((x * SCALE).round() as i32, (y * SCALE).round() as i32)
 }
 
-/// An SVG of plotters in less than half the bytes, the same to the eye: without attributes that say what holds anyway, the font named once,
-/// and lines of one look that follow each other, such as dashes, as one path.
-fn compact(svg: &str) -> String {
-    const USUAL: [&str; 4] =
-        [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\"", FAMILY_ATTRIBUTE];
+/// An SVG of plotters in a third of the bytes, the same to the eye: without attributes that say what holds anyway, those of all named once,
+/// lines of one look that follow each other, such as dashes, as one path, and corners of lines and polygons as steps from one to the next.
+pub(super) fn compact(svg: &str) -> String {
+    const USUAL: [&str; 5] =
+        [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\"", FAMILY_ATTRIBUTE, UNFILLED];
     let plain = USUAL.iter().fold(svg.to_owned(), |svg, usual| svg.replace(usual, ""));
     let mut compact = String::with_capacity(plain.len());
-    let mut look = None;
+    let (mut open, mut at) = (None, (0, 0));
     for line in plain.lines() {
-        let of_line = line.strip_prefix("<polyline ").and_then(|line| line.strip_suffix(" \"/>"));
-        let (next, points) = of_line.and_then(|line| line.split_once(" points=\"")).unzip();
-        if next != look && look.is_some() {
+        let is_filled = line.starts_with("<polygon ");
+        let shape = line.strip_prefix("<polyline ").or_else(|| line.strip_prefix("<polygon "));
+        let (look, points) = shape.and_then(|shape| shape.strip_suffix(" \"/>")?.split_once(" points=\"")).unzip();
+        let goes_on = look == open && !is_filled;
+        if !goes_on && open.is_some() {
             compact.push_str("\"/>\n");
         }
-        match (next, points) {
-            (Some(_), Some(points)) if next == look => compact.extend(["M", points]),
-            (Some(look), Some(points)) => compact.extend(["<path ", look, " d=\"M", points]),
+        match (look, points) {
+            (Some(look), Some(points)) => {
+                if !goes_on {
+                    at = (0, 0);
+                    compact.extend(["<path ", look, " d=\""]);
+                }
+                compact.push_str(&steps(points, &mut at));
+            }
             _ => compact.extend([line, "\n"]),
         }
-        look = next;
+        open = look;
     }
     compact
+}
+
+/// Points such as `4,6 9,2` as a part of a path: the first as a step from where the last part ended, each other as one from that before it.
+fn steps(points: &str, at: &mut Pixel) -> String {
+    let mut path = "m".to_owned();
+    let pairs = points.split(' ').filter_map(|point| point.split_once(','));
+    for (x, y) in pairs.filter_map(|(x, y)| Some((x.parse::<i32>().ok()?, y.parse::<i32>().ok()?))) {
+        let step = (x - at.0, y - at.1);
+        // A sign parts numbers as well.
+        let between = if path.len() > 1 && step.0 >= 0 { " " } else { "" };
+        let comma = if step.1 >= 0 { "," } else { "" };
+        path += &format!("{between}{}{comma}{}", step.0, step.1);
+        *at = (x, y);
+    }
+    path
 }
 
 /// The bundled font in a size, made known to plotters once. One that cannot be read fails where text is drawn.

@@ -297,8 +297,8 @@ mod tests {
             let svg = drawn(Scale::LogAndZero((0.0, 1.0), 5), vec![level("oracle".to_owned(), value)], Vec::new());
             assert!(svg.contains("oracle"), "{svg}");
             let paths = lines_with(&svg, &["#8C8C8C", "stroke-width=\"2\""]);
-            let dashes = paths.iter().map(|path| path.matches('M').count()).sum::<usize>();
-            (dashes, paths.first().is_some_and(|path| path.contains("d=\"M140,")))
+            let dashes = paths.iter().map(|path| path.matches('m').count()).sum::<usize>();
+            (dashes, paths.first().is_some_and(|path| path.contains("d=\"m140,")))
         };
         assert_eq!([60.0, 100.0, 49.0, 101.0].map(|value| dashes(value).0 > 40), [true, true, false, false]);
         assert_eq!(

@@ -268,3 +268,14 @@ fn break_even_names_every_point() {
     // One of the legend, and in a panel at least one.
     assert!(svg.lines().filter(|line| line.contains("stroke-width=\"8\"")).count() > panels);
 }
+
+/// Proves that lines of one look become one path of steps and each polygon one of its own, whose corners are where they were.
+#[test]
+fn compact_paths_keep_their_corners() {
+    let svg = "<svg>\n<polyline fill=\"none\" opacity=\"1\" stroke=\"#000000\" stroke-width=\"2\" points=\"1,2 30,4 30,-4 \"/>\n\
+        <polyline fill=\"none\" opacity=\"1\" stroke=\"#000000\" stroke-width=\"2\" points=\"40,5 7,5 \"/>\n\
+        <polygon opacity=\"1\" fill=\"#FFFFFF\" points=\"5,5 5,9 2,9 \"/>\n<polygon opacity=\"1\" fill=\"#FFFFFF\" points=\"9,9 8,1 \"/>\n</svg>\n";
+    let wanted = "<svg>\n<path stroke=\"#000000\" stroke-width=\"2\" d=\"m1,2 29,2 0-8m10,9-33,0\"/>\n\
+        <path fill=\"#FFFFFF\" d=\"m5,5 0,4-3,0\"/>\n<path fill=\"#FFFFFF\" d=\"m9,9-1-8\"/>\n</svg>\n";
+    assert_eq!(super::canvas::compact(svg), wanted);
+}
