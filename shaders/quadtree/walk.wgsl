@@ -5,7 +5,7 @@
 // last ancestor that both have in common.
 
 #import tracebench::quadtree_forest::{DILATE_NONE, levels_apart, z_of_pixels}
-#import tracebench::quadtree_node::{Plane, SIDES, end_of, is_plane, is_empty, plane_of, box_of, z_on}
+#import tracebench::quadtree_node::{Plane, NOTHING, SIDES, end_of, is_plane, is_empty, plane_of, box_of, z_on}
 #import tracebench::quadtree_proxy::is_dilated
 #import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, crossings, cell_at, child_at, successor}
 #import tracebench::lanes::open
@@ -82,16 +82,18 @@ fn take(place: f32, plane: Plane, middle: vec2<f32>, bounds: Bounds) {
     found.middle = middle;
 }
 
-// The ray lies in a node's occlusion volume from a place on (section 4.1). Where holes are inpainted, it ends there with a hit on what
-// the image shows just before, if it shows something: there, or farther on where it gets behind that pixel's plane.
-fn pass_volume(image: u32, place: f32) {
+// The ray lies in a node's occlusion volume from a place on (section 4.1). Where holes are inpainted, it ends there.
+fn pass_volume(place: f32) {
     if (found.volume == NOWHERE) {
         found.volume = place;
     }
-    if (inpaints == INPAINT_NEVER) {
-        return;
-    }
-    found.stopped = true;
+    found.stopped = inpaints != INPAINT_NEVER;
+}
+
+// Ends a walk that stopped at an occlusion volume with a hit on what the image shows just before, if it shows something: there, or
+// farther on where the ray gets behind that pixel's plane.
+fn inpaint(image: u32) {
+    let place = found.volume;
     let before = part_near(track, INPAINT_PIXELS, vec2<f32>(place), begin, end).x;
     // What begins behind a surface has come from nowhere that the image shows.
     if (place <= inside_from || before >= place) {
@@ -195,7 +197,7 @@ fn test_plane(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
         }
         return;
     }
-    pass_volume(image, entry);
+    pass_volume(entry);
     // Out of the volume, through the plane from behind.
     if (!found.stopped && min(lasts.x, lasts.y) < 0.0) {
         take_of(pair, met.y < met.x, min(met.x, met.y), bounds);
@@ -203,7 +205,7 @@ fn test_plane(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
 }
 
 // Where on its way through a node the ray must be looked at more closely; NOWHERE where it meets nothing in a box.
-fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
+fn test_box(words: vec2<u32>, place: f32, exit: f32) -> f32 {
     if (is_empty(words)) {
         return NOWHERE;
     }
@@ -225,7 +227,7 @@ fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
             return place;
         }
         if (!box.holes) {
-            pass_volume(image, place);
+            pass_volume(place);
         }
         return NOWHERE;
     }
@@ -242,7 +244,52 @@ fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
     return max(place, met - places_of(track, REACH_SLACK * reach));
 }
 
-// Walks the tree of an image between two places, and leaves in `found` what it found; `holes` says how it inpaints.
+// The node where the walk is, the place from which it looks at it, and where it leaves the image or what it found.
+var<private> level: u32;
+var<private> cell: vec2<i32>;
+var<private> place: f32;
+var<private> outside_from: f32;
+// The cells of all levels on the way down to where the walk is, if they are kept.
+var<private> path: array<vec2<i32>, 16>;
+
+// Goes on behind a node that the ray leaves at these places, at first at `exit`; false where the walk is over.
+fn goes_on(leaves: vec2<f32>, exit: f32) -> bool {
+    // Beyond its node a plane is met where another one may lie before it, near a discontinuity.
+    let is_beyond = found.place > exit && found.plane.flagged;
+    if (found.stopped || (found.place <= end && !is_beyond)) {
+        return false;
+    }
+    end = min(end, found.place);
+    outside_from = min(outside_from, end);
+    var next = successor(track, leaves, cell);
+    let last = (vec2<i32>(forest.size) - 1) >> vec2<u32>(level);
+    if (exit >= outside_from || any(next < vec2<i32>(0)) || any(next > last)) {
+        return false;
+    }
+    place = exit;
+    if (STACK) {
+        // Nodes are taken from the stack up to the first that holds the successor.
+        open += 1u;
+        loop {
+            let above = min(level + 1u, forest.top);
+            if (level >= forest.top || all(path[above] == next >> vec2<u32>(1u))) {
+                open -= 1u;
+                break;
+            }
+            next = next >> vec2<u32>(1u);
+            level += 1u;
+        }
+    } else {
+        let up = min(levels_apart(vec2<u32>(cell), vec2<u32>(next)), forest.top - level);
+        next = next >> vec2<u32>(up);
+        level += up;
+    }
+    cell = next;
+    return true;
+}
+
+// Walks the tree of an image between two places, and leaves in `found` what it found; `holes` says how it inpaints. Planes are
+// tested, and holes inpainted, outside of the loop over boxes: drivers may run every branch of a loop for all lanes.
 fn walk_tree(image: u32, first: f32, limit: f32, holes: u32) {
     inpaints = holes;
     found.place = NOWHERE;
@@ -255,93 +302,76 @@ fn walk_tree(image: u32, first: f32, limit: f32, holes: u32) {
     let whole = Bounds(vec2<f32>(0.0), vec2<f32>(forest.size));
     inside_from = min(enters_at(track, whole, first), end);
     let out = leaves_at(track, whole, inside_from);
-    var outside_from = min(min(out.x, out.y), end);
+    outside_from = min(min(out.x, out.y), end);
     let last = vec2<i32>(forest.size) - 1;
-    var place = inside_from;
-    var level = forest.top;
-    var cell = cell_at(track, place, 0u, last);
+    place = inside_from;
+    level = forest.top;
+    cell = cell_at(track, place, 0u, last);
     if (search.from_ancestor == 1u) {
         // The child of the last ancestor that the ray's both ends have in common.
         let other = cell_at(track, outside_from, 0u, last);
         level = min(select(levels_apart(vec2<u32>(cell), vec2<u32>(other)), 0u, all(cell == other)), level);
     }
     cell = cell >> vec2<u32>(level);
-    // The cells of all levels on the way down to where the walk is, if they are kept.
-    var path = array<vec2<i32>, 16>();
     open += 1u;
     loop {
-        if (steps >= search.max_steps) {
-            capped = true;
-            open -= 1u;
-            break;
-        }
-        steps += 1u;
-        if (STACK) {
-            path[level] = cell;
-        }
-        let bounds = bounds_of(cell, level);
-        let leaves = leaves_at(track, bounds, place);
-        let exit = min(min(leaves.x, leaves.y), end);
-        var down = NOWHERE;
-        // Of cells that are touched at a corner alone it hangs on the way of the walk which are met.
-        if (exit > place && place < outside_from) {
-            let words = visit(image, level, vec2<u32>(cell));
-            if (is_plane(words)) {
-#ifdef COUNTERS
-                work[1] += 1u;
-#endif
-                test_plane(image, words, cell, bounds);
-            } else {
+        var words = NOTHING;
+        var bounds = Bounds();
+        var leaves = vec2<f32>(0.0);
+        var exit = 0.0;
+        // To the next plane.
+        loop {
+            if (steps >= search.max_steps) {
+                capped = true;
+                open -= 1u;
+                break;
+            }
+            steps += 1u;
+            if (STACK) {
+                path[level] = cell;
+            }
+            bounds = bounds_of(cell, level);
+            leaves = leaves_at(track, bounds, place);
+            exit = min(min(leaves.x, leaves.y), end);
+            var down = NOWHERE;
+            // Of cells that are touched at a corner alone it hangs on the way of the walk which are met.
+            if (exit > place && place < outside_from) {
+                words = visit(image, level, vec2<u32>(cell));
+                if (is_plane(words)) {
+                    break;
+                }
 #ifdef COUNTERS
                 work[2] += 1u;
 #endif
-                down = test_box(image, words, place, exit);
+                down = test_box(words, place, exit);
                 if (down != place) {
                     before_until = NOT_BEFORE;
                 }
             }
-        }
-        if (down <= end && level > 0u) {
-            place = max(place, down);
-            cell = child_at(track, place, cell, level, last >> vec2<u32>(level - 1u));
-            level -= 1u;
-            continue;
-        }
-        // Beyond its node a plane is met where another one may lie before it, near a discontinuity.
-        let is_beyond = found.place > exit && found.plane.flagged;
-        if (found.stopped || (found.place <= end && !is_beyond)) {
-            open -= 1u;
-            break;
-        }
-        end = min(end, found.place);
-        outside_from = min(outside_from, end);
-        if (exit >= outside_from) {
-            open -= 1u;
-            break;
-        }
-        var next = successor(track, leaves, cell);
-        if (any(next < vec2<i32>(0)) || any(next > last >> vec2<u32>(level))) {
-            open -= 1u;
-            break;
-        }
-        place = exit;
-        if (STACK) {
-            // Nodes are taken from the stack up to the first that holds the successor.
-            open += 1u;
-            loop {
-                let above = min(level + 1u, forest.top);
-                if (level >= forest.top || all(path[above] == next >> vec2<u32>(1u))) {
-                    open -= 1u;
-                    break;
-                }
-                next = next >> vec2<u32>(1u);
-                level += 1u;
+            if (down <= end && level > 0u) {
+                place = max(place, down);
+                cell = child_at(track, place, cell, level, last >> vec2<u32>(level - 1u));
+                level -= 1u;
+                continue;
             }
-        } else {
-            let up = min(levels_apart(vec2<u32>(cell), vec2<u32>(next)), forest.top - level);
-            next = next >> vec2<u32>(up);
-            level += up;
+            if (!goes_on(leaves, exit)) {
+                open -= 1u;
+                break;
+            }
         }
-        cell = next;
+        if (!is_plane(words)) {
+            break;
+        }
+#ifdef COUNTERS
+        work[1] += 1u;
+#endif
+        test_plane(image, words, cell, bounds);
+        if (!goes_on(leaves, exit)) {
+            open -= 1u;
+            break;
+        }
+    }
+    if (found.stopped) {
+        inpaint(image);
     }
 }
