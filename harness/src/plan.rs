@@ -188,14 +188,14 @@ impl TracerRequest {
         let mut parameters = self.parameters.clone();
         parameters.set(&self.registration.describe().parameters, parameter, value)?;
         if let Some(other) = self.registration.with_part(parameter, value) {
-            // What is set of the part before is not the new one's.
+            // What the part before has by its preset is not the new one's; what was asked for is, or is refused.
             let own = format!("{parameter}.");
             let described = other.describe().parameters;
             let kept = std::mem::replace(&mut parameters, Parameters::preset(&described, self.preset));
-            for (name, value) in kept.iter().filter(|(name, _)| !name.starts_with(&own)) {
+            let is_kept = |name: &str| !name.starts_with(&own) || self.changed.iter().any(|changed| changed == name);
+            for (name, value) in kept.iter().filter(|(name, _)| is_kept(name)) {
                 parameters.set(&described, name, &value.to_string())?;
             }
-            self.changed.retain(|name| !name.starts_with(&own));
             self.registration = other;
         }
         self.parameters = parameters;

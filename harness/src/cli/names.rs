@@ -386,6 +386,10 @@ mod tests {
                 (Some("2".to_owned()), Some("pixels".to_owned()))
             );
         }
+        // What was asked for of the part before is the new one's, or is refused.
+        let later = |part: &str| tracers("hybrid@first.stride=2", &[format!("hybrid.first={part}")]);
+        assert_eq!(value(&later("screen-dda:improved").unwrap()[0], "first.stride").as_deref(), Some("2"));
+        assert!(message(later("quadtree")).contains("no parameter 'first.stride'"));
         let other = one("hybrid@then.tree=lbvh@first=quadtree:improved").unwrap();
         assert_eq!((value(&other, "first.march"), value(&other, "then.tree")), (None, Some("lbvh".to_owned())));
         assert!(other.registration.describe().parameters.iter().any(|each| each.name == "first.levels"));
