@@ -20,6 +20,9 @@ const MIN_CHANGE: f32 = 1e-9;
 // Slopes of planes and directions below this count as it.
 const MIN_SLOPE: f32 = 1e-18;
 
+// Rays from more than so many times as far as the scene reaches begin anew: a little less than what triangles are listed for.
+const FAR: f32 = 3.9;
+
 // Spans of three faces at once, those along the axes in one sense.
 struct Spans {
     begin: vec3<f32>,
@@ -39,6 +42,8 @@ var<private> begins: f32;
 // where nothing is stored so near.
 var<private> passes_eye: bool;
 var<private> centre: f32;
+// By how much t of a ray that begins anew is less than that of the ray that was asked for.
+var<private> skipped: f32;
 
 // Without the built-ins' promises for what is no number, which cost drivers two more operations; spans are numbers.
 fn min_second_if_nan(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
@@ -87,6 +92,34 @@ fn find_spans(wide: f32, nearest: f32, farthest: f32, inverse: vec3<f32>) {
     behind = if_any(behind);
 }
 
+fn max_of(vector: vec3<f32>) -> f32 {
+    return max(max(abs(vector.x), abs(vector.y)), abs(vector.z));
+}
+
+// Begins a far ray anew just before all that is stored, which reaches so far from the eye: images and tests of triangles are noise as large as
+// an origin is far. With t and direction in halves of 12 bits products are exact, and so are the sums until what is left is as small as the
+// new origin: it is rounded as others are. The ray stays as it is where t cannot say where the scene begins.
+fn begin_anew(size: f32) {
+    let direction = ray.direction;
+    let before = -size * dot(abs(direction), vec3<f32>(1.0));
+    let high = bitcast<vec3<f32>>(bitcast<vec3<u32>>(direction) & vec3<u32>(0xfffff000u));
+    let low = direction - high;
+    var t = 0.0;
+    var origin = ray.origin;
+    // The second time for what t was off by.
+    for (var turn = 0u; turn < 2u; turn++) {
+        t += (1.5 * before - dot(origin - grid.eye, direction)) / dot(direction, direction);
+        let t_high = bitcast<f32>(bitcast<u32>(t) & 0xfffff000u);
+        let t_low = t - t_high;
+        origin = ((ray.origin + high * t_high) + high * t_low) + low * t_high + low * t_low;
+    }
+    if (t > 0.0 && dot(origin - grid.eye, direction) <= 1.125 * before) {
+        ray = Ray(origin, max(ray.t_min - t, 0.0), direction, ray.t_max - t);
+        ray_origin = origin - grid.eye;
+        skipped = t;
+    }
+}
+
 fn min_of(vector: vec3<f32>) -> f32 {
     return min(min(vector.x, vector.y), vector.z);
 }
@@ -126,7 +159,11 @@ fn begin_lane() {
 fn begin_ray(asked: Ray) {
     ray = asked;
     ray_origin = ray.origin - grid.eye;
-    reach = max(max(abs(ray_origin.x), abs(ray_origin.y)), abs(ray_origin.z));
+    skipped = 0.0;
+    if (search.split == 1u && max_of(ray_origin) > FAR / farthest_w) {
+        begin_anew(1.0 / farthest_w);
+    }
+    reach = max_of(ray_origin);
     frame = ray_frame(ray.origin, ray.direction);
     best = Best(ray.t_max, NO_PRIMITIVE, 0.0, 0.0);
     found = false;

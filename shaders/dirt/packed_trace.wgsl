@@ -15,7 +15,7 @@
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, open, turns_of, answer_again}
 #endif
 #import tracebench::dirt_packed_ray::{search, best, found, capped, Work, work}
-#import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
+#import tracebench::dirt_packed_legs::{passes_eye, centre, skipped, begin_lane, begin_ray, has_face, next_leg}
 #import tracebench::dirt_packed_near::search_near
 #ifdef TREES
 #import tracebench::dirt_tree_walk::{is_busy, begin_walk, begin_no_walk, go_on}
@@ -38,7 +38,7 @@ fn answer() -> Hit {
         return miss(STATUS_STEP_CAP);
     }
     if (found) {
-        return Hit(best.t, best.primitive, best.u, best.v, STATUS_HIT);
+        return Hit(best.t + skipped, best.primitive, best.u, best.v, STATUS_HIT);
     }
     return miss(STATUS_MISS);
 }

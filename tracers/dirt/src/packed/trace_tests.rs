@@ -201,6 +201,69 @@ fn rays_past_the_eye_need_their_own_search() {
     assert!(lost(&[("lists", "trees")]) > 0, "nothing shows that rays need to be split");
 }
 
+/// The nearest hit in f64: t and triangle.
+fn nearest_by_f64(ray: &Ray, triangles: &[[[f32; 3]; 3]]) -> Option<(f64, u32)> {
+    let [origin, direction] = [ray.origin, ray.direction].map(|vector| Vec3::from(vector).as_dvec3());
+    let within = f64::from(ray.t_min)..f64::from(ray.t_max);
+    let hits = triangles.iter().zip(0..).filter_map(|(corners, triangle)| {
+        let [a, b, c] = corners.map(|corner| Vec3::from(corner).as_dvec3());
+        let (first, second, to_ray) = (b - a, c - a, origin - a);
+        let (across, turned) = (direction.cross(second), to_ray.cross(first));
+        let weights = [to_ray.dot(across), direction.dot(turned)].map(|weight| weight / first.dot(across));
+        let t = second.dot(turned) / first.dot(across);
+        (weights[0].min(weights[1]) >= 0.0 && weights[0] + weights[1] <= 1.0 && within.contains(&t))
+            .then_some((t, triangle))
+    });
+    hits.min_by(|one, other| one.0.total_cmp(&other.0))
+}
+
+/// Proves that rays from far away are answered as f64 does and try few triangles, also along axes, with -0.0 and denormals, and where
+/// they begin and end; and, as a negative control, that walked like others they are not.
+#[test]
+fn far_rays_are_answered_as_by_f64() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    let mut numbers = Numbers::new(31);
+    let strewn: Vec<[[f32; 3]; 3]> = (0..400)
+        .map(|_| {
+            let at = eye + numbers.point() * 6.0;
+            [0; 3].map(|_| (at + numbers.point()).as_vec3().to_array())
+        })
+        .collect();
+    let geometry = soup(&strewn, Some(&gpu));
+    for away in [10.0, 100.0, 1e4, 1e6] {
+        let mut of = |index: usize| {
+            let axis = [DVec3::new(1.0, -0.0, 1e-40), DVec3::new(1e-40, -1.0, -0.0), DVec3::NEG_Z][index / 4 % 3];
+            let along = if index % 4 == 1 { axis } else { numbers.direction() };
+            let far = ray(eye + numbers.point() * 6.0 - along * away * geometry.diagonal(), along);
+            let t = nearest_by_f64(&far, &strewn).map_or(1.0, |hit| hit.0);
+            match index % 4 {
+                2 => Ray { t_min: (t + 0.01) as f32, ..far },
+                3 => Ray { t_max: (t + numbers.signed()) as f32, ..far },
+                _ => far,
+            }
+        };
+        let rays: Vec<Ray> = (0..1200).map(&mut of).collect();
+        let truth: Vec<_> = rays.iter().map(|ray| nearest_by_f64(ray, &strewn)).collect();
+        assert!(truth.iter().flatten().count() > 300, "{away}");
+        let wrong = |settings: &[(&str, &str)]| {
+            let (found, counters) = answer(&gpu, &built(&gpu, &geometry, settings), &rays, Query::Closest, settings);
+            let is_right = |hit: &Hit, truth: &Option<(f64, u32)>| match truth {
+                Some((t, primitive)) => hit.primitive == *primitive && (f64::from(hit.t) - t).abs() <= 2e-7 * t,
+                None => hit.status == Status::Miss as u32,
+            };
+            let right = found.iter().zip(&truth).filter(|(hit, truth)| is_right(hit, truth)).count();
+            (rays.len() - right, total(&counters, "triangle_tests"))
+        };
+        for form in [FORMS[0], FORMS[3], FORMS[5]] {
+            let (wrong, tests) = wrong(&exact(form));
+            assert_eq!(wrong, 0, "{away} {form:?}");
+            assert!(tests < 100 * rays.len() as u64, "{away} {form:?}: {tests}");
+        }
+        assert!(away < 1e4 || wrong(FORMS[0]).0 > 0, "nothing shows that rays from {away} away begin anew");
+    }
+}
+
 /// Proves that trees and their order save tests, and pyramids steps, over triangles strewn about: counted, with the same hits.
 #[test]
 fn what_each_part_saves_is_counted() {
