@@ -150,6 +150,11 @@ fn nearest_in(known: Nearest, axis: u32, texel: vec2<u32>, place: vec3<f32>) -> 
         let node = load_node(axis, link - 1u);
         let along = bitcast<f32>(node.x) * f32(search.space.image) - place.z;
         var distance = least + along * along;
+        // Lists are in the order of depths: what follows is farther still.
+        if (nearest.any && along > 0.0 && distance > nearest.distance) {
+            open -= 1u;
+            break;
+        }
         if (!nearest.any || distance <= nearest.distance) {
             let data = load_data(axis, link - 1u);
             distance += select(0.0, TURNED, (dot(bitcast<vec3<f32>>(data.xyz), ray.direction) * crossing < 0.0));
@@ -219,19 +224,27 @@ fn surface_of_hit() -> Surface {
     var nearest = nearest_in(NONE_NEAR, found_axis, found_texel, on_image(found_axis, unit) * edge);
     if (!nearest.any) {
         let texels = edge / f32(search.space.grid);
-        let width = u32(ceil(texels)) + 1u;
-        var index = 0u;
+        let most = i32(ceil(texels)) + 1;
+        // In growing squares around the hit, until whatever lies outside of them is farther.
+        var width = min(5, most);
+        var index = 0;
         open += 1u;
         loop {
-            if (index == 3u * width * width) {
-                open -= 1u;
-                break;
+            if (index == 3 * width * width) {
+                if (width == most || (nearest.any && nearest.distance < 0.25 * f32(width * width))) {
+                    open -= 1u;
+                    break;
+                }
+                width = min(2 * width + 1, most);
+                index = 0;
             }
-            let axis = (found_axis + index / (width * width)) % 3u;
-            let offset = vec2<u32>(index % width, index / width % width);
-            let texel = vec2<u32>(on_image(axis, vec3<f32>(found_voxel)).xy * texels) + offset;
-            nearest = nearest_in(nearest, axis, min(texel, vec2<u32>(search.space.image - 1u)), on_image(axis, unit) * edge);
-            index += 1u;
+            let axis = (found_axis + u32(index / (width * width))) % 3u;
+            let place = on_image(axis, unit) * edge;
+            let first = vec2<i32>(on_image(axis, vec3<f32>(found_voxel)).xy * texels);
+            let begin = clamp(texel_at(place) - width / 2, first, first + most - width);
+            let texel = min(begin + vec2<i32>(index % width, index / width % width), vec2<i32>(i32(search.space.image) - 1));
+            nearest = nearest_in(nearest, axis, vec2<u32>(texel), place);
+            index += 1;
         }
     }
     if (!nearest.any) {
