@@ -20,10 +20,8 @@ pub(in crate::report) const SCALE: f64 = 2.0;
 
 /// The bundled font first; where an SVG's viewer lacks it, fonts of much the same widths, then any.
 const FAMILY: &str = "Roboto, Arial, Helvetica, sans-serif";
-const FAMILY_ATTRIBUTE: &str = " font-family=\"Roboto, Arial, Helvetica, sans-serif\"";
-
-/// Of lines; of a whole drawing, where all else names its colour.
-const UNFILLED: &str = " fill=\"none\"";
+/// Attributes of a whole drawing: all but lines name the colour that fills them.
+const OF_ALL: [&str; 2] = [" font-family=\"Roboto, Arial, Helvetica, sans-serif\"", " fill=\"none\""];
 
 /// plotters measures fonts by line height: this many times the em in its SVG backend.
 const LINE_HEIGHT: f64 = 1.24;
@@ -134,7 +132,7 @@ impl Canvas {
         // A string takes all that is written.
         let _ = self.paint(SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area(), 0.0);
         let page = format!("width=\"{width}\" height=\"{height}\"");
-        let in_points = format!("width=\"{wide}\" height=\"{high}\"{FAMILY_ATTRIBUTE}{UNFILLED}");
+        let in_points = format!("width=\"{wide}\" height=\"{high}\"{}", OF_ALL.concat());
         compact(&svg).replacen(&page, &in_points, 1)
     }
 
@@ -198,9 +196,8 @@ fn pixel((x, y): Place) -> Pixel {
 /// An SVG of plotters in a third of the bytes, the same to the eye: without attributes that say what holds anyway, those of all named once,
 /// lines of one look that follow each other, such as dashes, as one path, and corners of lines and polygons as steps from one to the next.
 pub(super) fn compact(svg: &str) -> String {
-    const USUAL: [&str; 5] =
-        [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\"", FAMILY_ATTRIBUTE, UNFILLED];
-    let plain = USUAL.iter().fold(svg.to_owned(), |svg, usual| svg.replace(usual, ""));
+    const USUAL: [&str; 3] = [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\""];
+    let plain = USUAL.iter().chain(&OF_ALL).fold(svg.to_owned(), |svg, usual| svg.replace(usual, ""));
     let mut compact = String::with_capacity(plain.len());
     let (mut open, mut at) = (None, (0, 0));
     for line in plain.lines() {
@@ -211,15 +208,14 @@ pub(super) fn compact(svg: &str) -> String {
         if !goes_on && open.is_some() {
             compact.push_str("\"/>\n");
         }
-        match (look, points) {
-            (Some(look), Some(points)) => {
-                if !goes_on {
-                    at = (0, 0);
-                    compact.extend(["<path ", look, " d=\""]);
-                }
-                compact.push_str(&steps(points, &mut at));
+        if let (Some(look), Some(points)) = (look, points) {
+            if !goes_on {
+                at = (0, 0);
+                compact.extend(["<path ", look, " d=\""]);
             }
-            _ => compact.extend([line, "\n"]),
+            compact += &steps(points, &mut at);
+        } else {
+            compact.extend([line, "\n"]);
         }
         open = look;
     }
@@ -229,13 +225,11 @@ pub(super) fn compact(svg: &str) -> String {
 /// Points such as `4,6 9,2` as a part of a path: the first as a step from where the last part ended, each other as one from that before it.
 fn steps(points: &str, at: &mut Pixel) -> String {
     let mut path = "m".to_owned();
+    // A sign parts numbers as well.
+    let after = |between: &str, step: i32| if step < 0 { step.to_string() } else { format!("{between}{step}") };
     let pairs = points.split(' ').filter_map(|point| point.split_once(','));
     for (x, y) in pairs.filter_map(|(x, y)| Some((x.parse::<i32>().ok()?, y.parse::<i32>().ok()?))) {
-        let step = (x - at.0, y - at.1);
-        // A sign parts numbers as well.
-        let between = if path.len() > 1 && step.0 >= 0 { " " } else { "" };
-        let comma = if step.1 >= 0 { "," } else { "" };
-        path += &format!("{between}{}{comma}{}", step.0, step.1);
+        path += &format!("{}{}", after(if path == "m" { "" } else { " " }, x - at.0), after(",", y - at.1));
         *at = (x, y);
     }
     path
