@@ -10,7 +10,7 @@
 #import tracebench::reads::word_2
 #import tracebench::fragment_layout::pyramid_index
 #import tracebench::lanes::open
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, work, word_of, misses, looked_at, part, depth_slack, has_planes}
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, work, word_of, misses, looked_at, part, depth_slack, has_pieces, has_planes}
 #import tracebench::fragment_search::search_fragments
 
 const BY_STEPS: u32 = 0u;
@@ -30,15 +30,12 @@ fn reached(view: View, depth_begin: f32, depth_end: f32) -> vec2<f32> {
     return vec2<f32>(least - max(thickness, 0.0), most - min(thickness, 0.0));
 }
 
-// Looks at a pixel for the part of the ray between two parameters, whose eye depths these are.
-fn look(pixel: vec2<u32>, within: Span, depth_begin: f32, depth_end: f32) {
-    let view = views[number].view;
-    let depths = reached(view, depth_begin, depth_end);
+// Searches a pixel, for the part of the ray between two parameters, for fragments between these depths.
+fn look(view: View, pixel: vec2<u32>, within: Span, depths: vec2<f32>) {
     let forwards = eye_ray.direction.z >= 0.0;
     looked_at = pixel;
     part = within;
 #ifdef COUNTERS
-    work[0] += 1u;
     let tested = work[2];
 #endif
     search_fragments(views[number].first_pixel + pixel.y * u32(view.size.x) + pixel.x, depths.x, depths.y, forwards);
@@ -82,6 +79,15 @@ fn jitter_of() -> f32 {
     return f32(hash >> 8u) * 5.9604644775390625e-8;
 }
 
+// Whether pixels are skipped whose depth bounds the ray misses (step a), if they have any.
+fn skips_pixels() -> bool {
+    // Pieces of points have their ends for bounds.
+    return search.skip_bounds == 1u && shape.bounds_word > 0u && (has_planes() || !has_pieces());
+}
+
+// Both marches go to the next pixel that bounds do not skip in a loop of their own, and search it outside: drivers may run every branch
+// of a loop for all lanes.
+
 // A number of steps of equal length on the image, fewer than asked for where no more pixels are crossed, each with the depths
 // that the ray has along it and a look at one pixel.
 fn march_steps(view: View, span: Span, starts: bool) {
@@ -97,29 +103,50 @@ fn march_steps(view: View, span: Span, starts: bool) {
     var low = first;
     var low_depth = depth_on(line, low);
     var low_t = t_on(line, low, low_depth);
+    let skips = skips_pixels();
     var step = 0u;
     open += 1u;
     loop {
-        step += 1u;
-        let high = select(first + rest * (f32(step) / f32(count)), 1.0, (step == count));
-        let high_depth = depth_on(line, high);
-        let high_t = t_on(line, high, high_depth);
-        let at = mix(line.begin, line.end, mix(low, high, jitter));
-        let pixel = clamp(vec2<i32>(floor(at)), vec2<i32>(0), last_pixel);
-        var within = Span(low_t, max(low_t, high_t));
-        var depths = vec2<f32>(low_depth, high_depth);
-        if (search.span_by_pixel == 1u) {
-            within = span_in_pixel(view, eye_ray, pixel, within);
-            depths = eye_ray.origin.z + eye_ray.direction.z * vec2<f32>(within.begin, within.end);
+        var looks = false;
+        var pixel = vec2<i32>(0);
+        var within = Span(0.0, 0.0);
+        var depths = vec2<f32>(0.0);
+        loop {
+            step += 1u;
+            let high = select(first + rest * (f32(step) / f32(count)), 1.0, (step == count));
+            let high_depth = depth_on(line, high);
+            let high_t = t_on(line, high, high_depth);
+            let at = mix(line.begin, line.end, mix(low, high, jitter));
+            pixel = clamp(vec2<i32>(floor(at)), vec2<i32>(0), last_pixel);
+            within = Span(low_t, max(low_t, high_t));
+            depths = vec2<f32>(low_depth, high_depth);
+            if (search.span_by_pixel == 1u) {
+                within = span_in_pixel(view, eye_ray, pixel, within);
+                depths = eye_ray.origin.z + eye_ray.direction.z * vec2<f32>(within.begin, within.end);
+            }
+            if (within.begin <= within.end) {
+#ifdef COUNTERS
+                work[0] += 1u;
+#endif
+                depths = reached(view, depths.x, depths.y);
+                looks = !skips || !misses_cell(view, 0u, vec2<u32>(pixel), depths);
+            }
+            low = high;
+            low_depth = high_depth;
+            low_t = high_t;
+            if (looks || step == count) {
+                break;
+            }
         }
-        if (within.begin <= within.end) {
-            look(vec2<u32>(pixel), within, depths.x, depths.y);
+        if (looks) {
+            look(view, vec2<u32>(pixel), within, depths);
         }
-        low = high;
-        low_depth = high_depth;
-        low_t = high_t;
         if (found || step == count) {
             open -= 1u;
+            break;
+        }
+        // Cut off.
+        if (!looks) {
             break;
         }
     }
@@ -142,50 +169,65 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
     let heading = image_direction(eye_ray);
     let hi_z = search.march == BY_HI_Z;
     let top = select(0u, views[number].levels - 1u, hi_z);
+    let skips = hi_z || skips_pixels();
     var t = span.begin;
     var pixel = pixel_at(view, eye_ray, t, last_pixel);
     var level = top;
     open += 1u;
     loop {
-        if (steps >= search.max_steps) {
-            capped = true;
-            open -= 1u;
-            break;
-        }
-        steps += 1u;
-        let leaves = leaves_cell(view, eye_ray, heading, pixel, level, t);
-        let end = min(min(leaves.x, leaves.y), span.end);
-        let depth_begin = origin.z + direction.z * t;
-        let depth_end = origin.z + direction.z * end;
-        var empty = false;
-        if (hi_z) {
-            empty = misses_cell(view, level, vec2<u32>(pixel >> vec2<u32>(level)), depth_begin, depth_end);
+        var looks = false;
+        var over = false;
+        var looked = pixel;
+        var within = Span(0.0, 0.0);
+        var depths = vec2<f32>(0.0);
+        loop {
+            if (steps >= search.max_steps) {
+                capped = true;
+                over = true;
+                break;
+            }
+            steps += 1u;
+            let leaves = leaves_cell(view, eye_ray, heading, pixel, level, t);
+            let end = min(min(leaves.x, leaves.y), span.end);
+            depths = reached(view, origin.z + direction.z * t, origin.z + direction.z * end);
+            let empty = skips && misses_cell(view, level, vec2<u32>(pixel >> vec2<u32>(level)), depths);
             if (!empty && level > 0u) {
                 level -= 1u;
                 continue;
             }
+#ifdef COUNTERS
+            work[0] += select(1u, 0u, empty && hi_z);
+#endif
+            looks = !empty;
+            looked = pixel;
+            within = Span(t, end);
+            over = end >= span.end;
+            if (!over) {
+                pixel = next_pixel(view, eye_ray, heading, pixel, level, leaves, end, last_pixel);
+                over = !is_in_image(pixel, last_pixel);
+                t = end;
+                level = select(level, min(level + 1u, top), empty);
+            }
+            if (looks || over) {
+                break;
+            }
         }
-        if (!empty) {
-            look(vec2<u32>(pixel), Span(t, end), depth_begin, depth_end);
+        if (looks) {
+            look(view, vec2<u32>(looked), within, depths);
         }
-        if (found || end >= span.end) {
+        if (found || over) {
             open -= 1u;
             break;
         }
-        pixel = next_pixel(view, eye_ray, heading, pixel, level, leaves, end, last_pixel);
-        if (!is_in_image(pixel, last_pixel)) {
-            open -= 1u;
+        // Cut off.
+        if (!looks) {
             break;
-        }
-        t = end;
-        if (empty) {
-            level = min(level + 1u, top);
         }
     }
 }
 
-// Whether a cell of the pyramid has no depths that the ray has in it.
-fn misses_cell(view: View, level: u32, cell: vec2<u32>, depth_begin: f32, depth_end: f32) -> bool {
+// Whether a cell of the pyramid has none of these depths.
+fn misses_cell(view: View, level: u32, cell: vec2<u32>, depths: vec2<f32>) -> bool {
     let traced = views[number];
     var codes = vec2<u32>(0u);
     if (level == 0u) {
@@ -195,6 +237,5 @@ fn misses_cell(view: View, level: u32, cell: vec2<u32>, depth_begin: f32, depth_
         let index = 2u * pyramid_index(traced, level, cell);
         codes = vec2<u32>(word_2(index), word_2(index + 1u));
     }
-    let depths = reached(view, depth_begin, depth_end);
     return misses(depths_of(codes), depths.x, depths.y);
 }

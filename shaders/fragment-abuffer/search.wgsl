@@ -14,13 +14,10 @@ fn is_beyond(depth: f32, most: f32, forwards: bool) -> bool {
 }
 
 // A pixel's piece of the s-buffer, in the order in which planes begin.
-fn search_piece_of_planes(pixel: u32, least: f32, most: f32, forwards: bool) {
+fn search_piece_of_planes(pixel: u32, most: f32, forwards: bool) {
 #ifdef COUNTERS
     work[5] += 1u;
 #endif
-    if (search.skip_bounds == 1u && shape.bounds_word > 0u && misses(bounds_of(pixel), least, most)) {
-        return;
-    }
     var node = word_of(pixel, 0u);
     let end = min(node + word_of(pixel, 1u), views[number].node_capacity);
     let leaves = search.skip_lists == 1u;
@@ -65,17 +62,11 @@ fn search_list_of_planes(pixel: u32, bucket: u32, most: f32, forwards: bool) {
 }
 
 // The buckets of a pixel up to the last that the ray's depths overlap: a plane is in the one in which it begins, and may reach into others.
-fn search_lists_of_planes(pixel: u32, least: f32, most: f32, forwards: bool) {
+fn search_lists_of_planes(pixel: u32, most: f32, forwards: bool) {
     var last = shape.buckets - 1u;
-    if (shape.bounds_word > 0u && (search.skip_bounds == 1u || (search.skip_buckets == 1u && last > 0u))) {
-        let bounds = bounds_of(pixel);
-        if (search.skip_bounds == 1u && misses(bounds, least, most)) {
-            return;
-        }
-        if (search.skip_buckets == 1u) {
-            // A little more than what is asked for: fragments were put into buckets by another shader.
-            last = min(u32(max(bucket_share(most, bounds) * f32(shape.buckets) + 1e-3, 0.0)), last);
-        }
+    if (shape.bounds_word > 0u && search.skip_buckets == 1u && last > 0u) {
+        // A little more than what is asked for: fragments were put into buckets by another shader.
+        last = min(u32(max(bucket_share(most, bounds_of(pixel)) * f32(shape.buckets) + 1e-3, 0.0)), last);
     }
     var opened = 0u;
     open += 1u;
@@ -216,24 +207,16 @@ fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
 fn search_lists(pixel: u32, least: f32, most: f32, forwards: bool) {
     var first = 0u;
     var last = shape.buckets - 1u;
-    let by_bounds = search.skip_bounds == 1u;
-    let by_buckets = search.skip_buckets == 1u && last > 0u;
     if (shape.bounds_word > 0u) {
-        var bounds = vec2<f32>(0.0);
-        if (by_bounds || by_buckets) {
-            bounds = bounds_of(pixel);
-        }
-        if (by_bounds && misses(bounds, least, most)) {
-            return;
-        }
-        if (by_buckets) {
+        if (search.skip_buckets == 1u && last > 0u) {
+            let bounds = bounds_of(pixel);
             // A little more than what is asked for: fragments were put into buckets by another shader.
             let shares = vec2<f32>(bucket_share(least, bounds), bucket_share(most, bounds)) * f32(shape.buckets);
             let held = clamp(floor(shares + vec2<f32>(-1e-3, 1e-3)), vec2<f32>(0.0), vec2<f32>(f32(last)));
             first = u32(held.x);
             last = u32(held.y);
         }
-    } else if (by_bounds && shape.double == 1u) {
+    } else if (search.skip_bounds == 1u && shape.double == 1u) {
         let head = word_of(pixel, 0u);
         if (head == 0u) {
             return;
@@ -258,9 +241,9 @@ fn search_lists(pixel: u32, least: f32, most: f32, forwards: bool) {
 // The fragments of a pixel, as they are stored.
 fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
     if (has_planes() && has_pieces()) {
-        search_piece_of_planes(pixel, least, most, forwards);
+        search_piece_of_planes(pixel, most, forwards);
     } else if (has_planes()) {
-        search_lists_of_planes(pixel, least, most, forwards);
+        search_lists_of_planes(pixel, most, forwards);
     } else if (has_pieces()) {
         search_piece(pixel, least, most, forwards);
     } else {
