@@ -42,7 +42,9 @@ var<private> begins: f32;
 // where nothing is stored so near.
 var<private> passes_eye: bool;
 var<private> centre: f32;
-// By how much t of a ray that begins anew is less than that of the ray that was asked for.
+// From where on rays are to begin anew; whether this one is; by how much its t is less than that of the ray that was asked for if it did.
+var<private> far: f32;
+var<private> is_far: bool;
 var<private> skipped: f32;
 
 // Without the built-ins' promises for what is no number, which cost drivers two more operations; spans are numbers.
@@ -96,28 +98,36 @@ fn max_of(vector: vec3<f32>) -> f32 {
     return max(max(abs(vector.x), abs(vector.y)), abs(vector.z));
 }
 
-// Begins a far ray anew just before all that is stored, which reaches so far from the eye: images and tests of triangles are noise as large as
-// an origin is far. With t and direction in halves of 12 bits products are exact, and so are the sums until what is left is as small as the
-// new origin: it is rounded as others are. The ray stays as it is where t cannot say where the scene begins.
-fn begin_anew(size: f32) {
-    let direction = ray.direction;
-    let before = -size * dot(abs(direction), vec3<f32>(1.0));
+// Whether a ray from so far from the eye is to begin anew; none where nothing is stored, and `far` is no number.
+fn begins_anew(from_eye: vec3<f32>) -> bool {
+    return search.split == 1u && max_of(from_eye) > far;
+}
+
+// A far ray from just before all that is stored: images and tests of triangles are noise as large as an origin is far. With t and direction
+// in halves of 12 bits products are exact, and so are the sums until what is left is as small as the new origin: it is rounded as others
+// are. The ray stays as it is where t cannot say where the scene begins.
+fn begun_anew(asked: Ray) -> Ray {
+    if (!begins_anew(asked.origin - grid.eye)) {
+        return asked;
+    }
+    let direction = asked.direction;
+    let before = -1.0 / farthest_w * dot(abs(direction), vec3<f32>(1.0));
     let high = bitcast<vec3<f32>>(bitcast<vec3<u32>>(direction) & vec3<u32>(0xfffff000u));
     let low = direction - high;
     var t = 0.0;
-    var origin = ray.origin;
+    var origin = asked.origin;
     // The second time for what t was off by.
     for (var turn = 0u; turn < 2u; turn++) {
         t += (1.5 * before - dot(origin - grid.eye, direction)) / dot(direction, direction);
         let t_high = bitcast<f32>(bitcast<u32>(t) & 0xfffff000u);
         let t_low = t - t_high;
-        origin = ((ray.origin + high * t_high) + high * t_low) + low * t_high + low * t_low;
+        origin = ((asked.origin + high * t_high) + high * t_low) + low * t_high + low * t_low;
     }
     if (t > 0.0 && dot(origin - grid.eye, direction) <= 1.125 * before) {
-        ray = Ray(origin, max(ray.t_min - t, 0.0), direction, ray.t_max - t);
-        ray_origin = origin - grid.eye;
         skipped = t;
+        return Ray(origin, max(asked.t_min - t, 0.0), direction, asked.t_max - t);
     }
+    return asked;
 }
 
 fn min_of(vector: vec3<f32>) -> f32 {
@@ -150,6 +160,7 @@ fn make_leg(face: u32, begin: f32, end: f32, nearest: f32) {
 fn begin_lane() {
     nearest_w = bitcast<f32>(word_0(NEAREST));
     farthest_w = bitcast<f32>(~word_0(FARTHEST));
+    far = FAR / farthest_w;
     near_cube = bitcast<f32>(word_0(NEAR_CUBE));
     slice_base = word_0(SLICE_BASE);
     slice_rate = bitcast<f32>(word_0(SLICE_RATE));
@@ -159,11 +170,8 @@ fn begin_lane() {
 fn begin_ray(asked: Ray) {
     ray = asked;
     ray_origin = ray.origin - grid.eye;
-    skipped = 0.0;
-    if (search.split == 1u && max_of(ray_origin) > FAR / farthest_w) {
-        begin_anew(1.0 / farthest_w);
-    }
     reach = max_of(ray_origin);
+    is_far = begins_anew(ray_origin);
     frame = ray_frame(ray.origin, ray.direction);
     best = Best(ray.t_max, NO_PRIMITIVE, 0.0, 0.0);
     found = false;

@@ -15,7 +15,7 @@
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, open, turns_of, answer_again}
 #endif
 #import tracebench::dirt_packed_ray::{search, best, found, capped, Work, work}
-#import tracebench::dirt_packed_legs::{passes_eye, centre, skipped, begin_lane, begin_ray, has_face, next_leg}
+#import tracebench::dirt_packed_legs::{passes_eye, centre, is_far, skipped, begun_anew, begin_lane, begin_ray, has_face, next_leg}
 #import tracebench::dirt_packed_near::search_near
 #ifdef TREES
 #import tracebench::dirt_tree_walk::{is_busy, begin_walk, begin_no_walk, go_on}
@@ -72,8 +72,8 @@ fn search_faces() {
     }
 }
 
-// Answers rays of a block, one after the other. Left without an answer are those for which what lies near the eye is to be searched: few
-// are, and drivers may run every branch for all; and those that are cut off, with all that no lane has taken then.
+// Answers rays of a block, one after the other. Left without an answer are those for which what lies near the eye is to be searched, or
+// that begin anew: few are, and drivers may run every branch for all; and those that are cut off, with all that no lane has taken then.
 fn answer_block(block: Block, local: u32) {
     var index = take_ray(block, local);
     if (index >= block.end) {
@@ -81,7 +81,7 @@ fn answer_block(block: Block, local: u32) {
     }
     begin_lane();
     begin_ray(rays[index]);
-    var is_left = passes_eye;
+    var is_left = passes_eye || is_far;
     var leaves_some = false;
     begin_no_walk();
     open += 1u;
@@ -94,7 +94,7 @@ fn answer_block(block: Block, local: u32) {
             index = take_ray(block, local);
             if (index < block.end) {
                 begin_ray(rays[index]);
-                is_left = passes_eye;
+                is_left = passes_eye || is_far;
             }
         }
         if (index < block.end && !is_busy() && !is_left && has_face()) {
@@ -134,8 +134,8 @@ fn search_faces() {
     }
 }
 
-// Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
-// few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
+// Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched, or
+// that begin anew: few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
 fn answer_turns(turns: Turns) {
     var index = turns.ray;
     if (index >= turns.end) {
@@ -145,7 +145,7 @@ fn answer_turns(turns: Turns) {
     begin_lane();
     loop {
         begin_ray(rays[index]);
-        if (!passes_eye) {
+        if (!passes_eye && !is_far) {
             search_faces();
             if (open == 0u) {
                 note(index, answer());
@@ -178,7 +178,7 @@ fn tell_left() {
 // Of `trace_unanswered`: a ray is given up where loops are cut off.
 override fn tracebench::lanes::answer_ray(index: u32) {
     begin_lane();
-    begin_ray(rays[index]);
+    begin_ray(begun_anew(rays[index]));
     if (passes_eye) {
         search_near(centre);
     }
