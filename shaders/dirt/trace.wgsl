@@ -62,8 +62,8 @@ var<private> visited: u32;
 var<private> work: vec4<u32>;
 #endif
 
-// Tests the triangle of one node and gives the next link; whether it is the nearest hit so far is noted in `improved`.
-fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: ptr<function, bool>) -> u32 {
+// Tests the triangle of one node and gives the next link: none where any hit will do and this is the nearest so far.
+fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>) -> u32 {
     let node = load_node(link - 1u);
 #ifdef COUNTERS
     work.z += 1u;
@@ -78,52 +78,43 @@ fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: 
         let in_tile = point.z > 0.0 && all(vec2<i32>(floor(pixel_position(view, point))) == tile);
         if (search.by_distance == 1u || in_tile) {
             best = Best(crossed.t, triangle, crossed.u, crossed.v);
-            *improved = true;
+            found = true;
+            return select(node.next, 0u, search.any_hit == 1u);
         }
     }
     return node.next;
 }
 
-// Tests the triangles of a list, where any hit will do up to the first that is accepted; whether one of them is the nearest hit
-// so far.
-fn test_list(first: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>) -> bool {
-    var improved = false;
-    var link = first;
-    if (link == 0u) {
-        return false;
-    }
-    open += 1u;
-    loop {
-        link = test_node(link, view, eye_ray, tile, &improved);
-        if (link == 0u || (improved && search.any_hit == 1u)) {
-            open -= 1u;
-            break;
-        }
-    }
-    return improved;
-}
-
 // Bucket tracing: the buckets of a tile between two depths, in the order in which the ray meets them, up to the first with
-// a hit or all.
+// a hit or all. A lane need not wait at the ends of its lists.
 fn search_tile(number: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, depths: vec2<f32>, passed: vec2<f32>) {
     let first = bucket_of(passed.x, depths, grid.buckets);
     let last = bucket_of(passed.y, depths, grid.buckets);
     let backwards = eye_ray.direction.z < 0.0;
+    let hit_ends = search.all_buckets == 0u || search.any_hit == 1u;
     var opened = first;
+    var link = 0u;
     open += 1u;
     loop {
-        let bucket = select(opened, last + first - opened, backwards);
+        // To the next list with a triangle.
+        loop {
+            if (link != 0u) {
+                break;
+            }
+            if (opened > last || (opened > first && found && hit_ends)) {
+                open -= 1u;
+                break;
+            }
 #ifdef COUNTERS
-        work.y += 1u;
+            work.y += 1u;
 #endif
-        if (test_list(load_head(number, vec2<u32>(tile), bucket), view, eye_ray, tile)) {
-            found = true;
+            link = load_head(number, vec2<u32>(tile), select(opened, last + first - opened, backwards));
+            opened += 1u;
         }
-        opened += 1u;
-        if (opened > last || (found && (search.all_buckets == 0u || search.any_hit == 1u))) {
-            open -= 1u;
+        if (link == 0u) {
             break;
         }
+        link = test_node(link, view, eye_ray, tile);
     }
 }
 
@@ -133,7 +124,8 @@ fn is_final(end: f32) -> bool {
     return found && (search.by_distance == 0u || search.all_buckets == 0u || search.any_hit == 1u || best.t <= end);
 }
 
-// Hi-Z tracing: walks the tiles of a view that a part of the ray passes, up and down the pyramid as far as it is walked.
+// Hi-Z tracing: walks the tiles of a view that a part of the ray passes, up and down the pyramid as far as it is walked. Tiles are
+// searched outside of the loop over steps: drivers may run every branch of a loop for all lanes.
 fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     let origin = eye_ray.origin;
     let direction = eye_ray.direction;
@@ -144,43 +136,55 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     var level = search.top_level;
     open += 1u;
     loop {
-        if (steps >= search.max_steps) {
-            capped = true;
-            open -= 1u;
-            break;
-        }
-        steps += 1u;
+        var finds = false;
+        var leaves = vec2<f32>(0.0);
+        var end = 0.0;
+        var depths = vec2<f32>(0.0);
+        var passed = vec2<f32>(0.0);
+        // To the next tile that holds something at the ray's depths.
+        loop {
+            if (steps >= search.max_steps) {
+                capped = true;
+                open -= 1u;
+                break;
+            }
+            steps += 1u;
 #ifdef COUNTERS
-        work.x += 1u;
+            work.x += 1u;
 #endif
-        let leaves = leaves_cell(view, eye_ray, heading, tile, level, t);
-        let end = min(min(leaves.x, leaves.y), span.end);
-        let depths = load_depths(number, level, vec2<u32>(tile >> vec2<u32>(level)));
-        let z_begin = origin.z + direction.z * t;
-        let z_end = origin.z + direction.z * end;
-        let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
-        let passed = vec2<f32>(min(z_begin, z_end) - z_slack, max(z_begin, z_end) + z_slack);
-        let overlaps = passed.x <= depths.y && passed.y >= depths.x;
-        if (overlaps && level > 0u) {
-            level -= 1u;
-            continue;
+            leaves = leaves_cell(view, eye_ray, heading, tile, level, t);
+            end = min(min(leaves.x, leaves.y), span.end);
+            depths = load_depths(number, level, vec2<u32>(tile >> vec2<u32>(level)));
+            let z_begin = origin.z + direction.z * t;
+            let z_end = origin.z + direction.z * end;
+            let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
+            passed = vec2<f32>(min(z_begin, z_end) - z_slack, max(z_begin, z_end) + z_slack);
+            if (passed.x <= depths.y && passed.y >= depths.x) {
+                finds = level == 0u;
+                if (finds) {
+                    break;
+                }
+                level -= 1u;
+                continue;
+            }
+            tile = next_pixel(view, eye_ray, heading, tile, level, leaves, end, last_tile);
+            if (end >= span.end || !is_in_image(tile, last_tile)) {
+                open -= 1u;
+                break;
+            }
+            t = end;
+            level = min(level + 1u, search.top_level);
         }
-        if (overlaps) {
-            search_tile(number, view, eye_ray, tile, depths, passed);
-        }
-        if (end >= span.end || (overlaps && is_final(end))) {
-            open -= 1u;
+        if (!finds) {
             break;
         }
+        search_tile(number, view, eye_ray, tile, depths, passed);
         tile = next_pixel(view, eye_ray, heading, tile, level, leaves, end, last_tile);
-        if (!is_in_image(tile, last_tile)) {
+        if (end >= span.end || is_final(end) || !is_in_image(tile, last_tile)) {
             open -= 1u;
             break;
         }
         t = end;
-        if (!overlaps) {
-            level = min(level + 1u, search.top_level);
-        }
     }
 }
 
