@@ -45,6 +45,9 @@ fn is_before(t: f32, data: vec4<u32>, facing: u32) -> bool {
     return facing < found_facing;
 }
 
+// What lies behind the last node of a list: farther than any.
+const NO_NODE: vec2<u32> = vec2<u32>(0xffffffffu, 0u);
+
 // Tests a fragment against the ray, which is at `entry` at parameter t, relative to the texel's low corner.
 fn meet(axis: u32, node: u32, code: u32, t: f32, entry: vec3<f32>) {
     let data = load_data(axis, node);
@@ -72,32 +75,30 @@ fn meet(axis: u32, node: u32, code: u32, t: f32, entry: vec3<f32>) {
     }
 }
 
-// The fragments of a texel that the ray may meet between two parameters.
-fn search_texel(axis: u32, texel: vec2<i32>, begin: f32, exit: f32) {
-    let entry = line_origin + line_direction * begin;
-    let left = entry.z + line_direction.z * (exit - begin);
+// The texel where the search of an image is: where the ray leaves it, the ray where it enters it, relative to the low corner, the codes of
+// depths between which fragments may be met, and the next one.
+var<private> texel: vec2<i32>;
+var<private> leaves: vec2<f32>;
+var<private> exit: f32;
+var<private> entry: vec3<f32>;
+var<private> nearest: u32;
+var<private> farthest: u32;
+var<private> link: u32;
+
+fn enter_texel(axis: u32, begin: f32, end: f32, heading: vec2<i32>) {
+    let still = heading == vec2<i32>(0);
+    let slope = select(line_direction.xy, vec2<f32>(1.0), still);
+    let borders = vec2<f32>(texel + max(heading, vec2<i32>(0)));
+    leaves = select((borders - line_origin.xy) / slope, vec2<f32>(NEVER), still);
+    exit = clamp(min(leaves.x, leaves.y), begin, end);
+    let place = line_origin + line_direction * begin;
+    let left = place.z + line_direction.z * (exit - begin);
     let edge = f32(search.space.image);
     // A plane is no more than half a texel by either slope off from where it is at the texel's centre, and is asked for a little beyond.
-    let nearest = bitcast<u32>(max((min(entry.z, left) - 1.125) / edge, 0.0));
-    let farthest = bitcast<u32>(max((max(entry.z, left) + 1.125) / edge, 0.0));
-    let relative = vec3<f32>(entry.xy - vec2<f32>(texel), entry.z);
-    var link = head_of(axis, vec2<u32>(texel));
-    open += 1u;
-    loop {
-        if (link == 0u) {
-            open -= 1u;
-            break;
-        }
-        let node = load_node(axis, link - 1u);
-        if (node.x > farthest) {
-            open -= 1u;
-            break;
-        }
-        if (node.x >= nearest) {
-            meet(axis, link - 1u, node.x, begin, relative);
-        }
-        link = node.y;
-    }
+    nearest = bitcast<u32>(max((min(place.z, left) - 1.125) / edge, 0.0));
+    farthest = bitcast<u32>(max((max(place.z, left) + 1.125) / edge, 0.0));
+    entry = vec3<f32>(place.xy - vec2<f32>(texel), place.z);
+    link = head_of(axis, vec2<u32>(texel));
 }
 
 // Every texel of an image that the ray crosses between two parameters, up to where it is met.
@@ -110,26 +111,48 @@ fn search_image(axis: u32, begin: f32, end: f32) {
     line_direction = on_image(axis, direction) * edge;
     let last = vec2<i32>(i32(search.space.image) - 1);
     let heading = vec2<i32>(sign(line_direction.xy));
-    let still = heading == vec2<i32>(0);
-    let slope = select(line_direction.xy, vec2<f32>(1.0), still);
-    var texel = clamp(vec2<i32>(floor(line_origin.xy + line_direction.xy * begin)), vec2<i32>(0), last);
+    texel = clamp(vec2<i32>(floor(line_origin.xy + line_direction.xy * begin)), vec2<i32>(0), last);
     var t = begin;
+    enter_texel(axis, t, end, heading);
     open += 1u;
     loop {
-        let borders = vec2<f32>(texel + max(heading, vec2<i32>(0)));
-        let leaves = select((borders - line_origin.xy) / slope, vec2<f32>(NEVER), still);
-        let exit = clamp(min(leaves.x, leaves.y), t, end);
-        search_texel(axis, texel, t, exit);
-        if (leaves.x <= leaves.y) {
-            texel.x += heading.x;
-        } else {
-            texel.y += heading.y;
+        var node = NO_NODE;
+        var may_meet = false;
+        // To the next fragment that may be met, which is tested outside.
+        loop {
+            open += 1u;
+            loop {
+                node = NO_NODE;
+                if (link != 0u) {
+                    node = load_node(axis, link - 1u);
+                }
+                if (node.x >= nearest) {
+                    open -= 1u;
+                    break;
+                }
+                link = node.y;
+            }
+            may_meet = node.x >= nearest && node.x <= farthest;
+            if (may_meet) {
+                break;
+            }
+            if (leaves.x <= leaves.y) {
+                texel.x += heading.x;
+            } else {
+                texel.y += heading.y;
+            }
+            if (exit >= end || (found && found_t <= exit) || any(texel < vec2<i32>(0)) || any(texel > last)) {
+                open -= 1u;
+                break;
+            }
+            t = exit;
+            enter_texel(axis, t, end, heading);
         }
-        if (exit >= end || (found && found_t <= exit) || any(texel < vec2<i32>(0)) || any(texel > last)) {
-            open -= 1u;
+        if (!may_meet) {
             break;
         }
-        t = exit;
+        meet(axis, link - 1u, node.x, t, entry);
+        link = node.y;
     }
 }
 
@@ -138,17 +161,15 @@ fn search_voxel(axes: u32, begin: f32, end: f32) {
 #ifdef COUNTERS
     work[OPENED] += 1u;
 #endif
-    var axis = 0u;
+    var others = axes;
     open += 1u;
     loop {
-        if (axis == 3u) {
+        if (others == 0u) {
             open -= 1u;
             break;
         }
-        if (((axes >> axis) & 1u) == 1u) {
-            search_image(axis, begin, end);
-        }
-        axis += 1u;
+        search_image(firstTrailingBit(others), begin, end);
+        others &= others - 1u;
     }
 }
 
@@ -177,25 +198,41 @@ fn find_hit(given: Ray) {
     var t = span.begin;
     open += 1u;
     loop {
+        var leaves = vec3<f32>(0.0);
+        var exit = t;
+        var axes = 0u;
+        // To the next voxel that has anything, which is searched outside: drivers may run every branch of a loop for all lanes.
+        loop {
+            if (!is_in_grid(voxel, space.grid)) {
+                open -= 1u;
+                break;
+            }
 #ifdef COUNTERS
-        work[STEPPED] += 1u;
+            work[STEPPED] += 1u;
 #endif
-        let leaves = leaves_voxel(origin, direction, heading, voxel, edge);
-        let exit = clamp(min(leaves.x, min(leaves.y, leaves.z)), t, span.end);
-        let axes = code_of(voxel);
-        if (axes != 0u) {
-            search_voxel(axes, t, exit);
+            leaves = leaves_voxel(origin, direction, heading, voxel, edge);
+            exit = clamp(min(leaves.x, min(leaves.y, leaves.z)), t, span.end);
+            axes = code_of(voxel);
+            if (axes != 0u) {
+                break;
+            }
+            if (exit >= span.end || (found && found_t <= exit)) {
+                open -= 1u;
+                break;
+            }
+            voxel = next_voxel(voxel, heading, leaves);
+            t = exit;
         }
+        if (axes == 0u) {
+            break;
+        }
+        search_voxel(axes, t, exit);
         // What is met beyond the voxel may lie behind what the next one has. Any hit is as good as the nearest where one is asked for.
         if (exit >= span.end || (found && (found_t <= exit || search.any_hit == 1u))) {
             open -= 1u;
             break;
         }
         voxel = next_voxel(voxel, heading, leaves);
-        if (!is_in_grid(voxel, space.grid)) {
-            open -= 1u;
-            break;
-        }
         t = exit;
     }
     found_t = clamp(found_t + first_t, ray.t_min, ray.t_max);

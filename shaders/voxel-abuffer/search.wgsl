@@ -17,6 +17,16 @@ var<private> found_side: i32;
 var<private> found_t: f32;
 var<private> found_axis: u32;
 var<private> found_texel: vec2<u32>;
+// How `halve` narrows it: from what parameter, and whether by the side of points in that texel, or in each point's own, or by so many layers
+// before them.
+var<private> found_halved_by: u32;
+var<private> found_from: f32;
+var<private> found_layers: u32;
+
+const BY_NOTHING: u32 = 0u;
+const BY_SIDE: u32 = 1u;
+const BY_SIDE_IN_TEXEL: u32 = 2u;
+const BY_LAYERS: u32 = 3u;
 
 // Where the search begins, the length of a texel along the ray, and the side that the ray starts on.
 var<private> start_t: f32;
@@ -150,85 +160,56 @@ fn side_at(axis: u32, t: f32) -> i32 {
     return side_of(axis, texel_at(place), place);
 }
 
-fn take(axis: u32, t: f32, texel: vec2<i32>) {
+// Ends the search where the ray crosses between two parameters, which `halve` narrows as it is told.
+fn take(axis: u32, begin: f32, end: f32, texel: vec2<i32>, halved_by: u32) {
     found = true;
-    found_t = t;
+    found_from = begin;
+    found_t = end;
     found_axis = axis;
     found_texel = vec2<u32>(texel);
+    found_halved_by = halved_by;
 }
 
-// Binary search between a point on a side and one that is not (Policarpo, Oliveira, Comba 2005, which section 3.2 names); within one
-// texel or by the texel of each point.
-fn halve(axis: u32, begin: f32, end: f32, texel: vec2<i32>, in_texel: bool, side: i32) {
-    var low = begin;
-    var high = end;
-    var crossed = texel;
+// Binary search between a point on a side and one that is not (Policarpo, Oliveira, Comba 2005, which section 3.2 names), or that has
+// another number of layers before it. Behind the walk, since drivers may run every branch of a loop for all lanes.
+fn halve() {
+    let steps = select(search.binary_steps, 0u, (!found || open > 0u || found_halved_by == BY_NOTHING));
     var step = 0u;
     open += 1u;
     loop {
-        if (step >= search.binary_steps) {
+        if (step >= steps) {
             open -= 1u;
             break;
         }
-        let middle = 0.5 * (low + high);
+        let middle = 0.5 * (found_from + found_t);
         let place = place_at(middle);
-        let asked = select(texel_at(place), texel, in_texel);
-        if (side_of(axis, asked, place) != side) {
-            high = middle;
-            crossed = asked;
+        let texel = select(vec2<i32>(found_texel), texel_at(place), found_halved_by == BY_SIDE);
+        let there = before(found_axis, texel, place);
+        if (select(there.side != found_side, there.layers != found_layers, found_halved_by == BY_LAYERS)) {
+            found_t = middle;
+            found_texel = vec2<u32>(texel);
         } else {
-            low = middle;
+            found_from = middle;
         }
         step += 1u;
     }
-    take(axis, high, crossed);
-}
-
-// The same for where a point of a texel has another number of layers before it.
-fn halve_layers(axis: u32, begin: f32, end: f32, texel: vec2<i32>, layers: u32) {
-    var low = begin;
-    var high = end;
-    var step = 0u;
-    open += 1u;
-    loop {
-        if (step >= search.binary_steps) {
-            open -= 1u;
-            break;
-        }
-        let middle = 0.5 * (low + high);
-        if (before(axis, texel, place_at(middle)).layers != layers) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-        step += 1u;
-    }
-    take(axis, high, texel);
 }
 
 // Whether the ray meets a surface in a texel, from where it enters it to where it leaves: it is on another side there, or passes a layer.
 fn meets_in_texel(axis: u32, texel: vec2<i32>, begin: f32, exit: f32, end: f32, side: i32) -> bool {
-    let left = place_left(exit, end);
-    if (search.at_exits == 1u) {
-        if (side_of(axis, texel, left) == side) {
-            return false;
-        }
-        halve(axis, begin, exit, texel, true, side);
-        return true;
-    }
+    let at_exits = search.at_exits == 1u;
 #ifdef COUNTERS
-    work[COMPARED] += 2u;
+    work[COMPARED] += select(2u, 1u, at_exits);
 #endif
-    let both = before_both(axis, texel, place_at(begin), left);
+    let left = place_left(exit, end);
+    let both = before_both(axis, texel, select(place_at(begin), left, at_exits), left);
+    found_layers = both.first.layers;
     if (both.first.side != side) {
-        take(axis, begin, texel);
-        return true;
+        take(axis, begin, select(begin, exit, at_exits), texel, select(BY_NOTHING, BY_SIDE_IN_TEXEL, at_exits));
+    } else if (both.first.layers != both.second.layers) {
+        take(axis, begin, exit, texel, BY_LAYERS);
     }
-    if (both.first.layers == both.second.layers) {
-        return false;
-    }
-    halve_layers(axis, begin, exit, texel, both.first.layers);
-    return true;
+    return found;
 }
 
 // 2D-DDA: every texel that the ray crosses.
@@ -272,7 +253,7 @@ fn look_at_points(axis: u32, begin: f32, end: f32, side: i32) {
         let place = place_left(next, end);
         let texel = texel_at(place);
         if (side_of(axis, texel, place) != side) {
-            halve(axis, t, next, texel, false, side);
+            take(axis, t, next, texel, BY_SIDE);
             open -= 1u;
             break;
         }
@@ -305,7 +286,7 @@ fn search_voxel(axis: u32, begin: f32, end: f32) {
     if (!goes_on) {
         let texel = texel_at(place_at(begin));
         if (side_of(axis, texel, place_at(begin)) != side) {
-            take(axis, begin, texel);
+            take(axis, begin, begin, texel, BY_NOTHING);
             return;
         }
     }

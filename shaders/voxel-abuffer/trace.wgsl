@@ -13,7 +13,7 @@
 #import tracebench::voxel_walk::{leaves_voxel, next_voxel, is_in_grid}
 #import tracebench::voxel_space::is_less
 #import tracebench::voxel_store::{search, begin_ray, ray, origin, direction, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
-#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, found_side, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, texel_at, place_at, side_of, side_at, search_voxel}
+#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, found_side, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, texel_at, place_at, side_of, side_at, search_voxel, halve}
 #endif
 
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
@@ -76,22 +76,41 @@ fn find_hit(given: Ray) {
 #endif
     open += 1u;
     loop {
+        var leaves = vec3<f32>(0.0);
+        var exit = t;
+        var code = EMPTY;
+        var goes_past = false;
+        // To the next voxel that is searched, which is done outside: drivers may run every branch of a loop for all lanes.
+        loop {
+            if (!is_in_grid(voxel, space.grid)) {
+                open -= 1u;
+                break;
+            }
 #ifdef COUNTERS
-        work[STEPPED] += 1u;
+            work[STEPPED] += 1u;
 #endif
-        let leaves = leaves_voxel(origin, direction, heading, voxel, edge);
-        let exit = clamp(min(leaves.x, min(leaves.y, leaves.z)), t, span.end);
-        let code = code_of(voxel);
-        // A layer is as deep as at its texel's centre, and so may lie behind the voxel that it marks: where nothing is marked there the
-        // search goes on for a texel.
-        let goes_past = code == EMPTY && run_axis != NO_AXIS;
-        if (code != EMPTY) {
-            found_voxel = voxel;
+            leaves = leaves_voxel(origin, direction, heading, voxel, edge);
+            exit = clamp(min(leaves.x, min(leaves.y, leaves.z)), t, span.end);
+            code = code_of(voxel);
+            // A layer is as deep as at its texel's centre, and so may lie behind the voxel that it marks: where nothing is marked there
+            // the search goes on for a texel.
+            goes_past = code == EMPTY && run_axis != NO_AXIS;
+            if (code != EMPTY || goes_past) {
+                break;
+            }
+            if (exit >= span.end) {
+                open -= 1u;
+                break;
+            }
+            voxel = next_voxel(voxel, heading, leaves);
+            t = exit;
         }
-        if (code != EMPTY || goes_past) {
-            let axis = select(chosen_axis(code), run_axis, goes_past);
-            search_voxel(axis, t, select(exit, min(exit, t + texel_t), goes_past));
+        if (code == EMPTY && !goes_past) {
+            break;
         }
+        found_voxel = select(found_voxel, voxel, code != EMPTY);
+        let axis = select(chosen_axis(code), run_axis, goes_past);
+        search_voxel(axis, t, select(exit, min(exit, t + texel_t), goes_past));
         if (code == EMPTY) {
             run_axis = NO_AXIS;
         }
@@ -100,12 +119,9 @@ fn find_hit(given: Ray) {
             break;
         }
         voxel = next_voxel(voxel, heading, leaves);
-        if (!is_in_grid(voxel, space.grid)) {
-            open -= 1u;
-            break;
-        }
         t = exit;
     }
+    halve();
 #ifdef LIFTED
     put_back();
     origin -= lift;
