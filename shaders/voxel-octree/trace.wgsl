@@ -98,24 +98,29 @@ fn find_hit(ray: Ray) -> Answer {
     var node = 0u;
     var depth = 0u;
     var stack = array<u32, MAX_DEPTH>();
-    // No ray takes more rounds: what is beyond was cut off by the driver.
-    let most = 3u * space.grid * (levels + 1u) + levels;
-    for (var round = 0u; round <= most; round++) {
-        let record = pair_0(node);
+    // No ray takes more steps: what is beyond was cut off by the driver.
+    let most = 3u * space.grid;
+    for (var step = 0u; step <= most; step++) {
+        var has_child = false;
+        var child = 0u;
+        // Down to a leaf or an empty part, which is stepped out of behind the loop: drivers may run every branch of one for all lanes.
+        loop {
+            let record = pair_0(node);
 #ifdef COUNTERS
-        work[VISITED] += 1u;
-        touch(node);
+            work[VISITED] += 1u;
+            touch(node);
 #endif
-        let part = part_of(voxel, levels - 1u - depth);
-        let has_child = ((record.y >> part) & 1u) == 1u;
-        let child = record.x + countOneBits(record.y & ((1u << part) - 1u));
-        if (has_child && depth + 1u < levels) {
+            let part = part_of(voxel, levels - 1u - depth);
+            has_child = ((record.y >> part) & 1u) == 1u;
+            child = record.x + countOneBits(record.y & ((1u << part) - 1u));
+            if (!has_child || depth + 1u >= levels) {
+                break;
+            }
             if (STACK) {
                 stack[depth] = node;
             }
             node = child;
             depth += 1u;
-            continue;
         }
         // A leaf, or an empty part, at the level below the node.
         let shift = levels - 1u - depth;

@@ -14,16 +14,10 @@ use crate::structure::OctreeStructure;
 /// What is counted of every ray, as `COUNTS` in shaders/voxel-octree/trace.wgsl.
 const COUNTERS: [&str; 2] = ["nodes_visited", "steps"];
 
-/// Rounds of the loop that a ray takes at most.
-fn max_rounds(layout: &Layout, traversal: Traversal) -> u64 {
-    let (edge, levels) = (u64::from(layout.edge()), u64::from(layout.levels));
-    // As many steps as there are voxels along all three axes, each with the way down from the root; or from the node that holds both
-    // voxels: a side of that of some depth is crossed two to its power times an axis, and the way down from there is the rest of the
-    // levels, so that all ways together are no more than twice the steps.
-    match traversal {
-        Traversal::Restart => 3 * edge * (levels + 1),
-        Traversal::Stack => 9 * edge + levels,
-    }
+/// Rounds of loops that a ray takes at most, and eight that run together: as many steps as there are voxels along all three axes, each with
+/// the way down from the root. Off a stack ways down are shorter, but not those of all eight at once.
+fn max_rounds(layout: &Layout) -> u64 {
+    3 * u64::from(layout.edge()) * u64::from(layout.levels + 1)
 }
 
 impl Search for OctreeStructure {
@@ -41,8 +35,7 @@ impl Search for OctreeStructure {
             surfaces,
             counters: counting.is_some(),
         };
-        let rays_per_lane =
-            rays_within_rounds(parameters.rays_per_lane, max_rounds(&self.layout, parameters.traversal));
+        let rays_per_lane = rays_within_rounds(parameters.rays_per_lane, max_rounds(&self.layout));
         let mut search = self.layout.search(job, &parameters, rays_per_lane);
         if let Some(TraceCounts { bit_words: [nodes, leaves], .. }) = counting {
             (search.touched_words, search.first_leaf_bit) = (nodes + leaves, nodes * 32);
