@@ -131,7 +131,7 @@ fn put_part(tile: vec2<u32>, triangle: u32) {
     }
     let least = range.least * (1.0 - DEPTH_SLACK);
     let greatest = range.greatest * (1.0 + DEPTH_SLACK);
-    let index = bounds_index(grid, 0u, 0u, tile);
+    let index = bounds_index(grid, grid.level_offsets[0].x, 0u, 0u, tile);
 #ifdef PRIMITIVES
     let depths = depths_of(bounds[index]);
     let first = bucket_of(least, depths, grid.buckets);

@@ -26,8 +26,8 @@ struct Node {
     primitive: u32,
 }
 
-fn bounds_index(grid: TileGrid, view: u32, level: u32, tile: vec2<u32>) -> u32 {
-    let offset = grid.level_offsets[level >> 2u][level & 3u];
+// Of a level, whose first is at `offset`: read by who has the uniform, since a table that is given as a value is copied for every lane.
+fn bounds_index(grid: TileGrid, offset: u32, view: u32, level: u32, tile: vec2<u32>) -> u32 {
     return view * grid.bounds_stride + offset + index_in_level(grid.tiles, level, tile);
 }
 

@@ -27,10 +27,13 @@ fn mipmap(invocation: Invocation) {
     }
     let within = index % (tiles.x * tiles.y);
     let tile = vec2<u32>(within % tiles.x, within / tiles.x);
+    let finer = made.level - 1u;
+    let first_finer = grid.level_offsets[finer >> 2u][finer & 3u];
     var codes = vec2<u32>(0u);
     for (var child = 0u; child < 4u; child++) {
         let below = cell_below(grid.tiles, made.level, tile, child);
-        codes = max(codes, bounds[bounds_index(grid, view, made.level - 1u, below)]);
+        codes = max(codes, bounds[bounds_index(grid, first_finer, view, finer, below)]);
     }
-    bounds[bounds_index(grid, view, made.level, tile)] = codes;
+    let first = grid.level_offsets[made.level >> 2u][made.level & 3u];
+    bounds[bounds_index(grid, first, view, made.level, tile)] = codes;
 }

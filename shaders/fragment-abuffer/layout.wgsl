@@ -83,9 +83,9 @@ fn word_index(shape: Storage, pixel: u32, word: u32) -> u32 {
     return word * shape.pixel_count + pixel;
 }
 
-fn pyramid_index(traced: TracedView, level: u32, cell: vec2<u32>) -> u32 {
-    let offset = traced.level_offsets[level >> 2u][level & 3u];
-    return offset + index_in_level(vec2<u32>(traced.view.size), level, cell);
+// Of a level, whose first is at `offset`: read by who has the uniform, since a table that is given as a value is copied for every lane.
+fn pyramid_index(view: View, offset: u32, level: u32, cell: vec2<u32>) -> u32 {
+    return offset + index_in_level(vec2<u32>(view.size), level, cell);
 }
 
 // Depths of one fragment may differ by rounding between two passes, and from the bounds: what is skipped by bounds keeps this

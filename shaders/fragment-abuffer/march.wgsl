@@ -10,7 +10,7 @@
 #import tracebench::reads::word_2
 #import tracebench::fragment_layout::pyramid_index
 #import tracebench::lanes::open
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, work, word_of, misses, looked_at, part, depth_slack, has_pieces, has_planes}
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, traced, found, found_depth, found_t, capped, steps, work, word_of, misses, looked_at, part, depth_slack, has_pieces, has_planes}
 #import tracebench::fragment_search::search_fragments
 
 const BY_STEPS: u32 = 0u;
@@ -38,7 +38,7 @@ fn look(view: View, pixel: vec2<u32>, within: Span, depths: vec2<f32>) {
 #ifdef COUNTERS
     let tested = work[2];
 #endif
-    search_fragments(views[number].first_pixel + pixel.y * u32(view.size.x) + pixel.x, depths.x, depths.y, forwards);
+    search_fragments(traced.first_pixel + pixel.y * u32(view.size.x) + pixel.x, depths.x, depths.y, forwards);
 #ifdef COUNTERS
     work[1] += select(0u, 1u, (work[2] > tested));
 #endif
@@ -168,7 +168,7 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
     let last_pixel = vec2<i32>(view.size) - 1;
     let heading = image_direction(eye_ray);
     let hi_z = search.march == BY_HI_Z;
-    let top = select(0u, views[number].levels - 1u, hi_z);
+    let top = select(0u, traced.levels - 1u, hi_z);
     let skips = hi_z || skips_pixels();
     var t = span.begin;
     var pixel = pixel_at(view, eye_ray, t, last_pixel);
@@ -228,13 +228,12 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
 
 // Whether a cell of the pyramid has none of these depths.
 fn misses_cell(view: View, level: u32, cell: vec2<u32>, depths: vec2<f32>) -> bool {
-    let traced = views[number];
     var codes = vec2<u32>(0u);
     if (level == 0u) {
         let pixel = traced.first_pixel + cell.y * u32(view.size.x) + cell.x;
         codes = vec2<u32>(word_of(pixel, shape.bounds_word), word_of(pixel, shape.bounds_word + 1u));
     } else {
-        let index = 2u * pyramid_index(traced, level, cell);
+        let index = 2u * pyramid_index(view, views[number].level_offsets[level >> 2u][level & 3u], level, cell);
         codes = vec2<u32>(word_2(index), word_2(index + 1u));
     }
     return misses(depths_of(codes), depths.x, depths.y);

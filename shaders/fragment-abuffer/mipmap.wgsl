@@ -23,6 +23,8 @@ fn mipmap(invocation: Invocation) {
         return;
     }
     let cell = vec2<u32>(index % cells.x, index / cells.x);
+    let finer = level.x - 1u;
+    let first_finer = made.level_offsets[finer >> 2u][finer & 3u];
     var codes = vec2<u32>(0u);
     for (var child = 0u; child < 4u; child++) {
         let below = cell_below(size, level.x, cell, child);
@@ -31,8 +33,9 @@ fn mipmap(invocation: Invocation) {
             let word = word_index(shape, pixel, shape.bounds_word);
             codes = max(codes, vec2<u32>(pixels[word], pixels[word + shape.pixel_count]));
         } else {
-            codes = max(codes, pyramid[pyramid_index(made, level.x - 1u, below)]);
+            codes = max(codes, pyramid[pyramid_index(made.view, first_finer, finer, below)]);
         }
     }
-    pyramid[pyramid_index(made, level.x, cell)] = codes;
+    let first = made.level_offsets[level.x >> 2u][level.x & 3u];
+    pyramid[pyramid_index(made.view, first, level.x, cell)] = codes;
 }

@@ -5,7 +5,7 @@
 // rounding moves a hit, and the parts of a ray in the pixels that it crosses join at the very same numbers, so that it slips through
 // nowhere.
 
-#import tracebench::fragment_store::{shape, views, ray, eye_ray, number, found, found_node, found_depth, found_t, looked_at, part, load_id, depth_slack}
+#import tracebench::fragment_store::{shape, traced, ray, eye_ray, found, found_node, found_depth, found_t, looked_at, part, load_id, depth_slack}
 #import tracebench::fragment_layout::{OUTLINE_PARTS, has_outline}
 #import tracebench::view::pixel_position
 #ifdef SURFACES
@@ -37,7 +37,7 @@ fn has_less(a: u32, b: u32) -> bool {
 
 // Whether a point, in eye space, lies in one of the parts of the pixel that a mask has bits of.
 fn is_inside(outline: u32, point: vec3<f32>) -> bool {
-    let place = (pixel_position(views[number].view, point) - vec2<f32>(looked_at)) * vec2<f32>(OUTLINE_PARTS);
+    let place = (pixel_position(traced.view, point) - vec2<f32>(looked_at)) * vec2<f32>(OUTLINE_PARTS);
     let at = vec2<u32>(clamp(place, vec2<f32>(0.0), vec2<f32>(OUTLINE_PARTS - 1u)));
     return ((outline >> (at.y * OUTLINE_PARTS.x + at.x)) & 1u) == 1u;
 }
@@ -48,7 +48,7 @@ fn meet(node: u32, least: f32) {
     let across = node * shape.node_words + shape.normal_word;
     let normal = vec3<f32>(float_of(across), float_of(across + 1u), float_of(across + 2u));
     let slope = dot(normal, ray.direction);
-    let t = (float_of(at + 1u) - dot(normal, ray.origin - views[number].view.eye)) / slope;
+    let t = (float_of(at + 1u) - dot(normal, ray.origin - traced.view.eye)) / slope;
     let slack = END_SLACK * abs(t);
     // Of a ray along the plane it is no number.
     let inside = t >= max(part.begin - slack, ray.t_min) && t <= min(part.end + slack, ray.t_max);

@@ -5,7 +5,7 @@
 
 #import tracebench::depth_bounds::bucket_share
 #import tracebench::lanes::open
-#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, work, load_id, test_depth, word_of, bounds_of, misses, depth_slack, take, has_pieces, has_planes}
+#import tracebench::fragment_store::{shape, search, traced, found, found_depth, work, load_id, test_depth, word_of, bounds_of, misses, depth_slack, take, has_pieces, has_planes}
 #import tracebench::fragment_planes::meet
 
 // Whether a fragment of this least depth, and all behind it in its list, lie beyond what the ray may still meet.
@@ -19,7 +19,7 @@ fn search_piece_of_planes(pixel: u32, most: f32, forwards: bool) {
     work[5] += 1u;
 #endif
     var node = word_of(pixel, 0u);
-    let end = min(node + word_of(pixel, 1u), views[number].node_capacity);
+    let end = min(node + word_of(pixel, 1u), traced.node_capacity);
     let leaves = search.skip_lists == 1u;
     open += 1u;
     loop {
@@ -107,7 +107,7 @@ fn search_piece(pixel: u32, least: f32, most: f32, forwards: bool) {
 #endif
     let begin = word_of(pixel, 0u);
     let count = word_of(pixel, 1u);
-    let end = min(begin + count, views[number].node_capacity);
+    let end = min(begin + count, traced.node_capacity);
     if (begin >= end) {
         return;
     }

@@ -88,6 +88,8 @@ fn has_planes() -> bool {
 var<private> ray: Ray;
 var<private> eye_ray: EyeRay;
 var<private> number: u32;
+// That view: of a uniform array every lane would read its own element.
+var<private> traced: TracedView;
 var<private> found: bool;
 var<private> found_node: u32;
 var<private> found_depth: f32;
@@ -129,7 +131,7 @@ fn load_pixel(index: u32) -> u32 {
     }
 #else
 #ifdef TEXTURES
-    return word_0(views[number].begins.x + index);
+    return word_0(traced.begins.x + index);
 #else
     return word_0(index);
 #endif
@@ -163,7 +165,7 @@ fn load_id(index: u32) -> u32 {
     }
 #else
 #ifdef TEXTURES
-    return word_1(views[number].begins.y + index);
+    return word_1(traced.begins.y + index);
 #else
     return word_1(index);
 #endif
@@ -198,7 +200,7 @@ fn load_payload(index: u32) -> u32 {
     }
 #else
 #ifdef TEXTURES
-    return word_3(views[number].begins.z + index);
+    return word_3(traced.begins.z + index);
 #else
     return word_3(index);
 #endif
@@ -219,7 +221,7 @@ fn data_of(node: u32) -> u32 {
 fn test_depth(node: u32) -> f32 {
 #ifdef COUNTERS
     work[2] += 1u;
-    let bit = views[number].first_node + node;
+    let bit = traced.first_node + node;
     atomicOr(&counted[bit >> 5u], 1u << (bit & 31u));
 #endif
     return bitcast<f32>(load_id(node * shape.node_words));
@@ -232,7 +234,7 @@ fn take(node: u32, depth: f32) {
 }
 
 fn word_of(pixel: u32, word: u32) -> u32 {
-    return load_pixel(word * views[number].pixel_count + pixel);
+    return load_pixel(word * traced.pixel_count + pixel);
 }
 
 fn bounds_of(pixel: u32) -> vec2<f32> {

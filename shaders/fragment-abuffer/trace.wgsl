@@ -6,7 +6,7 @@
 #import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, work, counted, data_of, load_payload}
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, traced, found, found_node, found_t, capped, steps, work, counted, data_of, load_payload}
 #import tracebench::fragment_march::{BY_STEPS, march_steps, walk_pixels}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
@@ -90,7 +90,8 @@ override fn tracebench::lanes::search_ray(index: u32) {
         } else {
             visited |= 1u << chosen;
             number = chosen;
-            let view = views[chosen].view;
+            traced = views[chosen];
+            let view = traced.view;
             eye_ray = eye_ray_of(view, ray);
             let starts = entered == 0u && span.begin <= ray.t_min;
             entered += 1u;
@@ -107,7 +108,7 @@ override fn tracebench::lanes::search_ray(index: u32) {
                 // Edge connectivity: the face beyond the side by which the ray leaves this one.
                 let side = side_left(view, eye_ray);
                 if (side < 4u) {
-                    hint = views[number].beyond[side];
+                    hint = traced.beyond[side];
                 }
                 done = side == FAR_SIDE && stage == AFTER_CAMERA;
             }
@@ -138,7 +139,7 @@ override fn tracebench::lanes::answer_ray(index: u32) {
         let position = ray.origin + ray.direction * found_t;
         surfaces[index] = Surface(position, load_payload(at + 3u), bitcast<vec3<f32>>(normal), SURFACE_WRITTEN);
 #ifdef COUNTERS
-        let bit = views[number].first_node + data;
+        let bit = traced.first_node + data;
         atomicOr(&counted[search.touched_words + (bit >> 5u)], 1u << (bit & 31u));
 #endif
     } else {

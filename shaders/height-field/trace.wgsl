@@ -70,7 +70,7 @@ fn bounds_of(level: u32, pixel: vec2<i32>) -> vec2<f32> {
     if (level == 0u) {
         return vec2<f32>(stored_depth(pixel));
     }
-    let index = depth_cell(pyramid, 0u, level, vec2<u32>(pixel >> vec2<u32>(level)));
+    let index = depth_cell(pyramid, pyramid.level_offsets[level >> 2u][level & 3u], 0u, level, vec2<u32>(pixel >> vec2<u32>(level)));
 #ifdef MIN_MAX
     return bitcast<vec2<f32>>(pair_0(index));
 #else
@@ -148,7 +148,7 @@ fn search(ray: Ray) -> Answer {
         var place = u32(pixel.y) * width + u32(pixel.x);
         if (level > 0u) {
             let cell = vec2<u32>(pixel >> vec2<u32>(level));
-            place = width * u32(view.size.y) + depth_cell(pyramid, 0u, level, cell);
+            place = width * u32(view.size.y) + depth_cell(pyramid, pyramid.level_offsets[level >> 2u][level & 3u], 0u, level, cell);
         }
         atomicOr(&cells_touched[place >> 5u], 1u << (place & 31u));
 #endif

@@ -202,10 +202,11 @@ const SOME_BEHIND: u32 = 2u;
 
 // The nearest depth that a cell has of a layer, and how deep the layer reaches there.
 fn bounds_of(layer: u32, level: u32, cell: vec2<u32>) -> vec2<f32> {
-    let bounds = bitcast<vec2<f32>>(pair_0(depth_cell(pyramid, layer, level, cell)));
+    let offset = pyramid.level_offsets[level >> 2u][level & 3u];
+    let bounds = bitcast<vec2<f32>>(pair_0(depth_cell(pyramid, offset, layer, level, cell)));
     var end = thickened(bounds.y);
     if (DEEP && settings.backs == 1u) {
-        let back = bitcast<f32>(pair_0(depth_cell(pyramid, settings.layers + layer, level, cell)).y);
+        let back = bitcast<f32>(pair_0(depth_cell(pyramid, offset, settings.layers + layer, level, cell)).y);
         end = select(max(end, back), back, level == 0u && back > 0.0);
     }
     return vec2<f32>(bounds.x, end);

@@ -18,7 +18,7 @@ struct PyramidLayout {
     level_offsets: array<vec4<u32>, 4>,
 }
 
-fn depth_cell(pyramid: PyramidLayout, image: u32, level: u32, cell: vec2<u32>) -> u32 {
-    let offset = pyramid.level_offsets[level >> 2u][level & 3u];
+// Of a level, whose first is at `offset`: read by who has the uniform, since a table that is given as a value is copied for every lane.
+fn depth_cell(pyramid: PyramidLayout, offset: u32, image: u32, level: u32, cell: vec2<u32>) -> u32 {
     return image * pyramid.cells + offset + index_in_level(pyramid.size, level, cell);
 }
