@@ -6,7 +6,7 @@ use std::path::Path;
 
 use itertools::Itertools as _;
 use serde_json::json;
-use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
+use tracebench_api::{ParameterError, Parameters, Preset};
 
 use super::renames::{self, Kind};
 use super::{CliError, refuse};
@@ -243,7 +243,7 @@ pub(super) fn ray_values(settings: &[String]) -> Result<Parameters, CliError> {
         if of == RAYS {
             let set = parameters.set(&known, parameter, value);
             let set = set.and_then(|()| rays::check_ray_parameters(&parameters));
-            set.map_err(|error| refused(&known, RAYS, parameter, error))?;
+            set.map_err(|error| refused(RAYS, error))?;
         }
     }
     Ok(parameters)
@@ -260,11 +260,10 @@ fn split(setting: &str) -> Result<(&str, &str, &str), CliError> {
     }
 }
 
-fn refused(known: &[ParameterDescription], of: &str, parameter: &str, error: ParameterError) -> CliError {
+fn refused(of: &str, error: ParameterError) -> CliError {
     match error {
-        ParameterError::Unknown { .. } => {
-            let known: Vec<&str> = known.iter().map(|each| each.name).collect();
-            unknown(&format!("parameter of {of}"), parameter, &known)
+        ParameterError::Unknown { name, known } => {
+            unknown(&format!("parameter of {of}"), &name, &known.split(", ").collect::<Vec<_>>())
         }
         error => CliError::Argument(format!("--set {of}: {error}")),
     }
@@ -278,9 +277,8 @@ fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
 
 /// Sets one parameter of a tracer.
 fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), CliError> {
-    let description = request.registration.describe();
-    let known = description.parameters;
-    request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
+    let name = request.registration.describe().name;
+    request.set(parameter, value).map_err(|error| refused(name, error))
 }
 
 /// Settings in their order, but those of a tracer's part behind the one that says which part it is, which has fewer dots.
@@ -389,7 +387,7 @@ mod tests {
         // What was asked for of the part before is the new one's, or is refused.
         let later = |part: &str| tracers("hybrid@first.stride=2", &[format!("hybrid.first={part}")]);
         assert_eq!(value(&later("screen-dda:improved").unwrap()[0], "first.stride").as_deref(), Some("2"));
-        assert!(message(later("quadtree")).contains("no parameter 'first.stride'"));
+        assert!(message(later("quadtree")).contains("parameter of hybrid 'first.stride'"));
         let other = one("hybrid@then.tree=lbvh@first=quadtree:improved").unwrap();
         assert_eq!((value(&other, "first.march"), value(&other, "then.tree")), (None, Some("lbvh".to_owned())));
         assert!(other.registration.describe().parameters.iter().any(|each| each.name == "first.levels"));

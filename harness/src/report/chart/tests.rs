@@ -277,5 +277,5 @@ fn compact_paths_keep_their_corners() {
         <polygon opacity=\"1\" fill=\"#FFFFFF\" points=\"5,5 5,9 2,9 \"/>\n<polygon opacity=\"1\" fill=\"#FFFFFF\" points=\"9,9 8,1 \"/>\n</svg>\n";
     let wanted = "<svg>\n<path stroke=\"#000000\" stroke-width=\"2\" d=\"m1,2 29,2 0-8m10,9-33,0\"/>\n\
         <path fill=\"#FFFFFF\" d=\"m5,5 0,4-3,0\"/>\n<path fill=\"#FFFFFF\" d=\"m9,9-1-8\"/>\n</svg>\n";
-    assert_eq!(super::canvas::compact(svg), wanted);
+    assert_eq!(canvas::compact(svg), wanted);
 }
