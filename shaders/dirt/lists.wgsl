@@ -68,10 +68,11 @@ fn load_node(index: u32) -> Node {
 
 // The depth bounds of a cell.
 fn load_depths(view: u32, level: u32, cell: vec2<u32>) -> vec2<f32> {
+    let offset = grid.level_offsets[level >> 2u][level & 3u];
 #ifdef SPLIT
-    return depths_of(load_codes(view, bounds_index(grid, grid.level_offsets[level >> 2u][level & 3u], 0u, level, cell)));
+    return depths_of(load_codes(view, bounds_index(grid, offset, 0u, level, cell)));
 #else
-    return depths_of(pair_1(bounds_index(grid, grid.level_offsets[level >> 2u][level & 3u], view, level, cell)));
+    return depths_of(pair_1(bounds_index(grid, offset, view, level, cell)));
 #endif
 }
 

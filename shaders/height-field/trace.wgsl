@@ -65,12 +65,18 @@ fn stored_depth(pixel: vec2<i32>) -> f32 {
 // Share of depths by which rays are cut off before the nearest one.
 const CLIP_SLACK: f32 = 4e-6;
 
+// The cell of a level above the pixels that holds a pixel.
+fn cell_number(level: u32, pixel: vec2<i32>) -> u32 {
+    let offset = pyramid.level_offsets[level >> 2u][level & 3u];
+    return depth_cell(pyramid, offset, 0u, level, vec2<u32>(pixel >> vec2<u32>(level)));
+}
+
 // Near and far of a cell; of a pixel both are its depth. Without MIN_MAX a cell has no far.
 fn bounds_of(level: u32, pixel: vec2<i32>) -> vec2<f32> {
     if (level == 0u) {
         return vec2<f32>(stored_depth(pixel));
     }
-    let index = depth_cell(pyramid, pyramid.level_offsets[level >> 2u][level & 3u], 0u, level, vec2<u32>(pixel >> vec2<u32>(level)));
+    let index = cell_number(level, pixel);
 #ifdef MIN_MAX
     return bitcast<vec2<f32>>(pair_0(index));
 #else
@@ -147,8 +153,7 @@ fn search(ray: Ray) -> Answer {
         let width = u32(view.size.x);
         var place = u32(pixel.y) * width + u32(pixel.x);
         if (level > 0u) {
-            let cell = vec2<u32>(pixel >> vec2<u32>(level));
-            place = width * u32(view.size.y) + depth_cell(pyramid, pyramid.level_offsets[level >> 2u][level & 3u], 0u, level, cell);
+            place = width * u32(view.size.y) + cell_number(level, pixel);
         }
         atomicOr(&cells_touched[place >> 5u], 1u << (place & 31u));
 #endif

@@ -20,6 +20,7 @@ pub(in crate::report) const SCALE: f64 = 2.0;
 
 /// The bundled font first; where an SVG's viewer lacks it, fonts of much the same widths, then any.
 const FAMILY: &str = "Roboto, Arial, Helvetica, sans-serif";
+
 /// Attributes of a whole drawing: all but lines name the colour that fills them.
 const OF_ALL: [&str; 2] = [" font-family=\"Roboto, Arial, Helvetica, sans-serif\"", " fill=\"none\""];
 
@@ -193,7 +194,7 @@ fn pixel((x, y): Place) -> Pixel {
     ((x * SCALE).round() as i32, (y * SCALE).round() as i32)
 }
 
-/// An SVG of plotters in a third of the bytes, the same to the eye: without attributes that say what holds anyway, those of all named once,
+/// An SVG of plotters in less than half the bytes, the same to the eye: without attributes that say what holds anyway, those of all named once,
 /// lines of one look that follow each other, such as dashes, as one path, and corners of lines and polygons as steps from one to the next.
 pub(super) fn compact(svg: &str) -> String {
     const USUAL: [&str; 3] = [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\""];

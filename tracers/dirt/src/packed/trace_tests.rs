@@ -31,6 +31,15 @@ fn exact<'a>(settings: &[(&'a str, &'a str)]) -> Vec<(&'a str, &'a str)> {
     [&[("accept", "distance"), ("searched", "all"), ("centre_rays", "split")][..], settings].concat()
 }
 
+/// Triangles of a size round places.
+fn strewn(numbers: &mut Numbers, count: usize, size: f64, at: impl Fn(&mut Numbers) -> DVec3) -> Vec<[[f32; 3]; 3]> {
+    let triangle = |_| {
+        let at = at(numbers);
+        [0; 3].map(|_| (at + numbers.point() * size).as_vec3().to_array())
+    };
+    (0..count).map(triangle).collect()
+}
+
 /// Rays that are hard for images: from the eye and round it at every distance, through it, along axes, faces' diagonals, the planes
 /// between faces and the borders of tiles, from within triangles' planes, from far away, that end early and begin late.
 pub(super) fn hostile_rays(count: usize, scale: f64, eye: DVec3) -> Vec<Ray> {
@@ -177,12 +186,7 @@ fn rays_past_the_eye_need_their_own_search() {
     let eye = viewpoint().eye.as_dvec3();
     let mut numbers = Numbers::new(5);
     // Small triangles close round the eye, which images far from it do not tell.
-    let close: Vec<[[f32; 3]; 3]> = (0..200)
-        .map(|_| {
-            let at = eye + numbers.direction() * 0.004;
-            [0; 3].map(|_| (at + numbers.point() * 0.0002).as_vec3().to_array())
-        })
-        .collect();
+    let close = strewn(&mut numbers, 200, 0.0002, |numbers| eye + numbers.direction() * 0.004);
     let geometry = soup(&close, Some(&gpu));
     let rays: Vec<Ray> = (0..4000)
         .map(|index| {
@@ -224,12 +228,7 @@ fn far_rays_are_answered_as_by_f64() {
     let gpu = gpu();
     let eye = viewpoint().eye.as_dvec3();
     let mut numbers = Numbers::new(31);
-    let strewn: Vec<[[f32; 3]; 3]> = (0..400)
-        .map(|_| {
-            let at = eye + numbers.point() * 6.0;
-            [0; 3].map(|_| (at + numbers.point()).as_vec3().to_array())
-        })
-        .collect();
+    let strewn = strewn(&mut numbers, 400, 1.0, |numbers| eye + numbers.point() * 6.0);
     let geometry = soup(&strewn, Some(&gpu));
     for away in [10.0, 100.0, 1e4, 1e6] {
         let mut of = |index: usize| {
@@ -270,12 +269,7 @@ fn what_each_part_saves_is_counted() {
     let gpu = gpu();
     let mut numbers = Numbers::new(12);
     let eye = viewpoint().eye.as_dvec3();
-    let strewn: Vec<[[f32; 3]; 3]> = (0..3000)
-        .map(|_| {
-            let at = eye + numbers.point() * 6.0;
-            [0; 3].map(|_| (at + numbers.point() * 0.1).as_vec3().to_array())
-        })
-        .collect();
+    let strewn = strewn(&mut numbers, 3000, 0.1, |numbers| eye + numbers.point() * 6.0);
     let geometry = soup(&strewn, Some(&gpu));
     let rays: Vec<Ray> = (0..1000).map(|_| ray(eye + numbers.point() * 5.0, numbers.direction())).collect();
     let count = |form: &[(&str, &str)], wanted: &str| {
