@@ -5,7 +5,9 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 rays, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-origin, direction, t_max = (np.load(rays / f"{name}.npy") for name in ("origin", "direction", "t_max"))
+origin, direction, t_min, t_max = (np.load(rays / f"{name}.npy") for name in ("origin", "direction", "t_min", "t_max"))
+manifest = json.loads((rays / "manifest.json").read_text())
+assert manifest["query"] == "closest" and not t_min.any(), "embreex takes no t_min: write closest-hit rays that begin at 0"
 near = rays if (rays / "positions.npy").exists() else rays.parent
 times = [time.perf_counter()]
 scene = EmbreeScene(robust="fast" not in sys.argv[3:])
@@ -19,4 +21,4 @@ np.save(out / "t.npy", np.where(found["primID"] < 0, np.inf, found["tfar"]).asty
 np.save(out / "triangle.npy", found["primID"].astype("u4"))  # -1 becomes 4294967295: none.
 build_ms, trace_ms = (float(ms) for ms in np.diff(times) * 1e3)
 (out / "times.json").write_text(json.dumps({"build_ms": build_ms, "trace_ms": trace_ms}))
-(out / "rays_sha256").write_text(json.loads((rays / "manifest.json").read_text())["rays_sha256"])
+(out / "rays_sha256").write_text(manifest["rays_sha256"])

@@ -111,6 +111,8 @@ pub(super) struct Selection {
     pub(super) table: Option<&'static str>,
     /// Whether rays keep off the samples of frames where no image is given for them: for studies over resolutions.
     pub(super) between_samples: bool,
+    /// How many rounds there are, where that is not asked.
+    pub(super) rounds: Option<u32>,
 }
 
 impl Selection {
@@ -220,7 +222,7 @@ impl TableArguments {
             "" => Vec::new(),
             list => names::ray_sets(list)?,
         };
-        Ok(Selection { scenes, tracers, ray_sets, table: Some(table.name()), between_samples: false })
+        Ok(Selection { scenes, tracers, ray_sets, table: Some(table.name()), ..Selection::default() })
     }
 }
 
@@ -248,13 +250,14 @@ impl WorkArguments {
 
     /// The plan, but for the preset, which waits for the adapter if it is not given.
     pub(super) fn plan(&self, selection: Selection, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
-        let Selection { table, between_samples, .. } = selection;
+        let Selection { table, between_samples, rounds, .. } = selection;
         let preset = self.preset.as_deref().and_then(RunPreset::named);
         let preset = preset.unwrap_or_else(|| RunPreset::for_adapter(hardware()));
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
         let is_exact = table == Some(exact::NAME);
         // Nobody asks it for times.
-        let preset = if is_exact { RunPreset { sampling: SampleSchedule::rounds(1), ..preset } } else { preset };
+        let rounds = if is_exact { Some(1) } else { rounds };
+        let preset = RunPreset { sampling: rounds.map_or(preset.sampling, SampleSchedule::rounds), ..preset };
         let own = exact::SETTINGS.iter().filter(|_| is_exact).map(|setting| (*setting).to_owned());
         let settings: Vec<String> = own.chain(self.common.settings.iter().cloned()).collect();
         let frame = self.frame_size.unwrap_or(preset.frame);

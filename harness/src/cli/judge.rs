@@ -162,7 +162,12 @@ pub(super) fn judge(arguments: &JudgeArguments, progress: &Progress) -> Result<(
     let record = bench.measure(&[], words, |context| study::execute(judged, &told, name, *wrong_rays, context))?;
     let explained = bench.out.path().join("wrong_rays.csv");
     let table = match arguments.explain {
-        true => std::fs::read_to_string(&explained).map_err(|error| ExchangeError::Read(explained, error))?,
+        true => {
+            let all = std::fs::read_to_string(&explained).map_err(|error| ExchangeError::Read(explained, error))?;
+            // The header, and what is not of controls.
+            let lines = all.lines().enumerate().filter(|(place, line)| *place == 0 || line.starts_with("tracer,"));
+            lines.map(|(_, line)| format!("{line}\n")).collect()
+        }
         false => reports::run_table(&record),
     };
     print_end(&table, &bench.out.path().join("summary.md"))?;

@@ -20,6 +20,7 @@ use crate::judge::Rule;
 use crate::measure::{self, MAX_RESIDENT, records};
 use crate::plan::within;
 use crate::progress::Progress;
+use crate::rays::RaySet;
 use crate::registry::{Registration, TRACERS};
 use crate::render::Effect;
 use crate::report;
@@ -133,7 +134,7 @@ impl FramesArguments {
         let tracers = names::tracers(&self.tracer, &self.work.common.settings);
         let selection = Selection::of(&self.scene, tracers, self.rays.as_deref().unwrap_or("primary"))?;
         let ray_sets = if self.rays.is_some() { selection.ray_sets } else { Vec::new() };
-        Ok(Selection { ray_sets, ..selection })
+        Ok(Selection { ray_sets, rounds: Some(self.request.frames), ..selection })
     }
 
     fn request(&self) -> Result<FramesRequest, CliError> {
@@ -205,6 +206,10 @@ pub(super) fn attack(arguments: &AttackArguments, progress: &Progress) -> Result
     let of_work = &study.work;
     if of_work.says_how_long() || of_work.trace_to != TraceTo::Hit {
         return refuse("--samples, --ratio-precision, --time-limit, --trace-to: attack takes no times and judges hits");
+    }
+    let has_no_eye = |set: &RaySet| set.saved().is_some_and(|saved| saved.eye.is_none());
+    if *rule == Rule::Footprint && study.selection()?.ray_sets.iter().any(has_no_eye) {
+        return refuse("--rule footprint: rays of --rays file: have no eye; give --rule tight or hit_miss");
     }
     let mut work = Work::prepare(of_work, || study.selection(), "attack", progress)?;
     work.plan.preset.ray_image = of_work.size.unwrap_or(TRIAL_IMAGE);

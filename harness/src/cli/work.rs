@@ -234,7 +234,10 @@ impl<'a> Bench<'a> {
         record.provenance.plan_sha256 = Some(plan_sha256);
         report::write_run(&record, &self.out, tables::of_run)?;
         super::records::beside(&record, &self.out)?;
-        journal.finish();
+        if journal.recorded() {
+            let folder = self.out.path().display();
+            progress::to_stderr(&format!("not all that was asked for was done; go on with --out {folder} --resume"));
+        }
         stop::keeps(None);
         Ok(record)
     }

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -65,6 +65,8 @@ pub struct Journal {
     plan_sha256: String,
     resumed: Vec<String>,
     started: Option<String>,
+    /// The end of the names of what stays.
+    staying: OnceLock<&'static str>,
 }
 
 impl Journal {
@@ -101,7 +103,7 @@ impl Journal {
         results.write(PLAN, &files::json(PLAN, &begun)?)?;
         let Begun { plan, started, resumed, .. } = begun;
         let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
-        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started) })
+        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started), ..Self::default() })
     }
 
     /// Goes on with what is in a folder of results, if it is the same plan by the same program on the same machine.
@@ -173,6 +175,22 @@ impl Journal {
         let ended = Ended { plan_sha256, name: name.to_owned(), ended };
         folder.write(&file, &files::json(&file, &ended)?)?;
         Ok(())
+    }
+
+    /// Lets what has names with this end stay when there is a record: not all that was asked for was done.
+    pub(crate) fn stay(&self, end: &'static str) {
+        self.staying.get_or_init(|| end);
+    }
+
+    /// Takes away what is in the record now; tells whether anything stays.
+    pub fn recorded(&self) -> bool {
+        let (Some(results), Some(end)) = (self.results(), self.staying.get()) else {
+            self.finish();
+            return false;
+        };
+        let rest = Self::listed(results).into_iter().filter(|name| !name.ends_with(&format!("{end}.json")));
+        rest.for_each(|name| results.remove(&name));
+        true
     }
 
     /// Takes it away: everything is in the record now.

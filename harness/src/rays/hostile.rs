@@ -24,7 +24,7 @@ const BESIDE_DIAGONALS: f64 = 1e-3;
 
 pub(super) type Make = fn(&Kind<'_>, &mut Stream, bool) -> Ray;
 
-/// Every kind of hostile ray: its name, and what makes one. Of every kind each second ray is the `milder` one.
+/// Every kind of hostile ray: its name, and what makes one. Of most kinds each second ray is the `milder` one.
 pub(super) const KINDS: [(&str, Make); 11] = [
     ("through vertices", |of, stream, _| of.towards(stream, 0.0)),
     ("through edges", |of, stream, _| of.towards(stream, 0.4)),

@@ -8,9 +8,6 @@ use super::{Report, group, rows, summary};
 use crate::results::{Accuracy, AttackRecord, PICTURES_FOLDER, PoseRecord, Record, SearchRecord, TraceRecord};
 use crate::studies::attack::FINER;
 
-/// Causes that a cell names.
-const TOP_CAUSES: usize = 3;
-
 /// What is made of searches.
 pub(super) fn report(record: &Record) -> Option<Report> {
     let of_rows = rows(record, &group::groups(record), Sheet::new(), |_| None::<()>);
@@ -22,7 +19,7 @@ fn page(record: &Record, attack: &AttackRecord) -> Document {
     let accuracy = |trace: Option<&TraceRecord>| trace.and_then(|trace| attack.accuracy(trace));
     let right = |trace: Option<&TraceRecord>| accuracy(trace).map_or(Cell::None, Cell::Accuracy);
     let causes = |trace: Option<&TraceRecord>| {
-        let causes = trace.map(|trace| attack.causes(trace)).unwrap_or_default().into_iter().take(TOP_CAUSES);
+        let causes = trace.map(|trace| attack.causes(trace)).unwrap_or_default().into_iter();
         causes.map(|(cause, rays)| format!("{cause} {rays}")).join(", ")
     };
     let worst = |search: &SearchRecord| trace(search, &search.found[0].viewpoint);
@@ -63,13 +60,13 @@ fn page(record: &Record, attack: &AttackRecord) -> Document {
             .column("causes", |pose| causes(fresh(pose)))
             .column("classes", |pose| pose.picture.as_ref().map(|name| format!("`{PICTURES_FOLDER}/{name}`")));
         let all: Vec<PoseRecord> = search.found.iter().chain([&search.random]).cloned().collect();
-        let small = search.shrunk.iter().map(|small| {
-            let (rays, triangles) = (small.rays, small.triangles);
-            format!(
-                "Made small, with the cause `{}`: rays {rays}, triangles {triangles} and {} that keep the bounds. \
+        let small = search.found.iter().filter_map(|pose| {
+            let (viewpoint, small) = (&pose.viewpoint, pose.shrunk.as_ref()?);
+            Some(format!(
+                "The {viewpoint} made small, with the cause `{}`: rays {}, triangles {} and {} that keep the bounds. \
                  From the folder of the record: `{}`",
-                small.cause, small.markers, small.command
-            )
+                small.cause, small.rays, small.triangles, small.markers, small.command
+            ))
         });
         let title = format!("{}, {}, {}", search.scene, search.tracer.label(), search.rays);
         Document::default().heading(2, title).table(sheet.table(&all)).paragraphs(small)

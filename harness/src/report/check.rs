@@ -10,6 +10,7 @@ use super::{PACKED, PAGE_FILE, RUN_FILE, ReportError, Study, Tables, contents, k
 use crate::files::LIST;
 use crate::hash::sha256_of;
 use crate::results::{PICTURES_FOLDER, Provenance, Record};
+use crate::studies::attack;
 
 /// The list of committed records with their commands.
 const MANIFEST: &str = "manifest.json";
@@ -85,6 +86,7 @@ fn files(folder: &Path, record: &Record, tables: Tables) -> Result<Vec<String>, 
             // Another record's folder is checked by itself.
             None => {
                 [RUN_FILE, PACKED, LIST, PICTURES_FOLDER, PAGE_FILE].contains(&&*name)
+                    || record.attack.is_some() && name == attack::FOLDER
                     || path.is_dir() && record_file(&path).is_file()
             }
         };

@@ -55,6 +55,7 @@ pub use terminal::run_table;
 
 use crate::files::{self, OutputFolder};
 use crate::results::{PICTURES_FOLDER, Record, SCHEMA};
+use crate::studies::attack::FOLDER as ATTACK_FOLDER;
 use document::Document;
 use sheet::{Sheet, Table};
 use tables::rows;
@@ -199,7 +200,7 @@ pub fn may_be_written(name: &str) -> bool {
     let begins = |begin: &str| name.strip_prefix(begin).is_some_and(|rest: &str| rest.starts_with(['.', '_']));
     let ends = [".md", ".csv", ".json", ".svg", ".png"].iter().any(|end| name.ends_with(end));
     ends && BEGINNINGS.split_whitespace().any(begins)
-        || [RUN_FILE, PACKED, PICTURES_FOLDER, PAGE_FILE, "interleaved_sets"].contains(&name)
+        || [RUN_FILE, PACKED, PICTURES_FOLDER, PAGE_FILE, "interleaved_sets", ATTACK_FOLDER].contains(&name)
 }
 
 /// Writes `run.json`, then what is derived from it; gives the paths in that order.

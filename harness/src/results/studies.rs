@@ -344,8 +344,6 @@ records! {
         pub found: Vec<PoseRecord>,
         /// The worst of the random ones.
         pub random: PoseRecord,
-        /// The worst pose's wrong rays made small.
-        pub shrunk: Option<ShrunkRecord> = default,
     }
 
     /// A pose with what its trial gave; what fresh rays gave is in the row of its viewpoint.
@@ -367,6 +365,8 @@ records! {
         pub judged: u64,
         /// The classes of its fresh rays as a picture: a file beside the record.
         pub picture: Option<String> = default,
+        /// Of a pose that was found its wrong rays made small.
+        pub shrunk: Option<ShrunkRecord> = default,
     }
 
     /// Few rays in few triangles that are wrong for the same cause.

@@ -49,6 +49,33 @@ fn trials_survive_being_killed() {
     assert_eq!(std::fs::read(bench.path("out/attack.md")).unwrap(), page);
 }
 
+/// Proves that what was made small is traced by the command that is told, from the folder of the record, and is wrong there for the same cause.
+#[test]
+fn what_was_made_small_is_wrong_by_its_command() {
+    let bench = Bench::new();
+    let search = ["--tracer", "bvh-cpu", "--rays", "hostile", "--rule", "tight", "--trials", "2", "--out", "found"];
+    assert_eq!(bench.call(&attack(&search)).status, 0);
+    let record = bench.result("found");
+    let all = record["attack"]["searches"][0]["found"].as_array().unwrap();
+    let small: Vec<&Value> = all.iter().map(|pose| &pose["shrunk"]).filter(|small| !small.is_null()).collect();
+    assert!(!small.is_empty(), "{record}");
+    for (place, small) in small.into_iter().enumerate() {
+        let command = small["command"].as_str().unwrap();
+        let words: Vec<String> =
+            command.split(' ').skip(1).map(|word| word.replace("attack/", "found/attack/")).collect();
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let out = format!("again{place}");
+        let outcome = bench.call(&[&words[..], &["--quiet", "--out", &out]].concat());
+        assert_eq!(outcome.status, 0, "{command}: {outcome:?}");
+        let row = bench.result(&out)["rows"][0].clone();
+        let (trace, cause) = (&row["traces"][0], small["cause"].as_str().unwrap());
+        assert!(trace["judgement"]["causes"]["tight"][cause].as_u64() >= Some(1), "{cause}: {trace}");
+        assert_eq!(trace["count"], small["rays"]);
+        let triangles = small["triangles"].as_u64().unwrap() + small["markers"].as_u64().unwrap();
+        assert_eq!(row["scene"]["triangles"], triangles);
+    }
+}
+
 /// Proves that no trials, another rule, times, a scene without a pose and a tracer that refuses are said clearly.
 #[test]
 fn what_cannot_be_searched_is_refused() {

@@ -130,7 +130,8 @@ fn own_hits_are_judged_as_the_run_judges_them() {
 }
 
 /// Proves that answers which miss every hundredth hit have just so many more false misses, that times which a program tells of itself are
-/// a column, that a share under the one asked for ends with 1, and that wrong rays are printed with their causes.
+/// a column, that a share under the one asked for ends with 1, that wrong rays are printed with their causes, that rays without an eye have no
+/// footprint, and that `compare` tells of what was lost.
 #[test]
 fn missed_hits_are_counted() {
     let bench = Bench::new();
@@ -164,7 +165,10 @@ fn missed_hits_are_counted() {
         outcome.stderr.contains("tight is 0.9") && outcome.stderr.contains("balanced is not judged"),
         "{outcome:?}"
     );
-    assert!(outcome.stdout.contains("false_miss") && outcome.stdout.contains("unexplained"), "{outcome:?}");
+    // A header, and wrong rays of nobody else than who answered.
+    let told: Vec<&str> = outcome.stdout.lines().filter(|line| line.contains(",diffuse,")).collect();
+    assert!(outcome.stdout.starts_with("role,") && told.iter().all(|line| line.starts_with("tracer,")), "{outcome:?}");
+    assert!(told.iter().any(|line| line.contains("false_miss") && line.contains("unexplained")), "{outcome:?}");
     let trace = bench.result("judged")["rows"][0]["traces"][0].clone();
     assert_eq!(trace["judgement"]["classes"]["tight"]["false_miss"], already, "{lost} of {seen}");
     assert_eq!((&trace["self_reported"]["trace_ms"], &trace["mrays_per_s"]), (&json!(12.5), &json!(0.0)));
@@ -181,6 +185,21 @@ fn missed_hits_are_counted() {
         (&blind["agreement"]["footprint"], &blind["agreement"]["tight"]),
         (&Value::Null, &trace["judgement"]["agreement"]["tight"])
     );
+    let (scene, rays) = (bench.text("set/scene.glb"), format!("file:{}", bench.text("set/diffuse")));
+    let of_file = ["--tracer", "bvh-cpu", "--scene", &scene, "--rays", &rays];
+    let right = bench.run(&of_file, "blind")["rows"][0]["traces"][0]["judgement"]["agreement"].clone();
+    assert!(right["footprint"].is_null() && right["tight"].as_f64() > Some(0.9), "{right}");
+    bench.fails(&[&["attack"][..], &of_file].concat(), 2, &["have no eye"]);
+    // Two records of one name beside each other: of what was lost the answers without it are wrong.
+    fs::rename(bench.path("judged"), bench.path("lossy")).unwrap();
+    answer(&bench, "diffuse", &traced(&bench, "diffuse"));
+    assert_eq!(judged(&bench, "diffuse", &[]).status, 0);
+    let compared = bench.call(&["compare", "lossy", "judged", "--json"]);
+    let compared: Value = serde_json::from_str(&compared.stdout).unwrap_or_else(|_| panic!("{compared:?}"));
+    let accuracy = compared["traces"][0]["accuracy"].as_array().unwrap_or_else(|| panic!("{compared}"));
+    let tight = accuracy.iter().find(|accuracy| accuracy["rule"] == "tight").unwrap();
+    let [lossy, whole] = ["a_wrong", "b_wrong"].map(|side| tight[side].as_u64().unwrap());
+    assert!(whole < lossy && lossy <= whole + lost, "{tight}, {lost} lost");
 }
 
 /// Proves that what is in the way stays, that names of tracers are taken, and that folders that are none are said so.

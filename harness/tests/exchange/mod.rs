@@ -27,6 +27,7 @@ const FREE: usize = 1 << 18;
 /// The bytes of headers that are written.
 const HEADER: usize = 128;
 
+/// The arrays of a set and of answers; to any-hit rays these are [`OCCLUDED`] alone.
 const ARRAYS: [&str; 12] = [
     "origin",
     "direction",
@@ -42,17 +43,19 @@ const ARRAYS: [&str; 12] = [
     "answers/triangle",
 ];
 
+const OCCLUDED: &str = "answers/occluded.npy";
+
 /// Whole files by name.
 type Files = Vec<(String, Vec<u8>)>;
 
 /// A set of rays with truth and answers.
-fn whole() -> Files {
+fn whole(query: Query) -> Files {
     let positions = vec![[-2.0, -2.0, 0.0], [2.0, -2.0, 0.0], [0.0, 0.5, 0.0]];
     let geometry = Geometry::new(positions, vec![[0, 1, 2]], None).unwrap();
     let truth = Truth::new(&geometry, "scene");
     let viewpoint = Pose::parse("0,0,3:0,0,0").unwrap().viewpoint(&geometry, [8, 8], 8);
     let rays = Arc::new(primary_rays(&viewpoint, [16, 12]));
-    let told = truth.answer(&rays, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
+    let told = truth.answer(&rays, query, &Cache::none(), &Progress::new(true)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let out = OutputFolder::open(folder.path()).unwrap();
     let scene = SceneRecord {
@@ -62,15 +65,20 @@ fn whole() -> Files {
         diagonal: 4.7,
         ..SceneRecord::default()
     };
-    let manifest = Manifest::new("set", Query::Closest, (&rays, &told), scene, Some(ViewpointRecord::default()), 1);
+    let manifest = Manifest::new("set", query, (&rays, &told), scene, Some(ViewpointRecord::default()), 1);
     exchange::write(&out, "", &manifest, (&rays, &told), &[[0; 2]; 192]).unwrap();
     let t: Vec<f32> = told.iter().map(|answer| answer.hit.map_or(f32::INFINITY, |hit| hit.t as f32)).collect();
     let triangle: Vec<u32> = told.iter().map(|answer| answer.hit.map_or(u32::MAX, |_| 0)).collect();
     let index: Vec<u32> = (0..192).collect();
     let read = |name: &str| (name.to_owned(), fs::read(folder.path().join(name)).unwrap());
     let mut files: Files = ARRAYS[..10].iter().map(|name| read(&format!("{name}.npy"))).collect();
-    files.push(("answers/t.npy".to_owned(), npy::write(None, &t)));
-    files.push(("answers/triangle.npy".to_owned(), npy::write(None, &triangle)));
+    if query == Query::Any {
+        let occluded: Vec<bool> = told.iter().map(|answer| answer.hit.is_some()).collect();
+        files.push((OCCLUDED.to_owned(), npy::write(None, &occluded)));
+    } else {
+        files.push(("answers/t.npy".to_owned(), npy::write(None, &t)));
+        files.push(("answers/triangle.npy".to_owned(), npy::write(None, &triangle)));
+    }
     files.push(("answers/index.npy".to_owned(), npy::write(None, &index)));
     files.push(("answers/rays_sha256".to_owned(), manifest.rays_sha256.into_bytes()));
     files.push(("answers/times.json".to_owned(), br#"{"build_ms": 1, "trace_ms": 2}"#.to_vec()));
@@ -207,22 +215,26 @@ fn reads(folder: &TempDir, there: &mut Files, files: &Files) -> Execution<Outcom
 }
 
 fn read_all(numbers: std::ops::Range<u64>) -> Tally<Outcome> {
-    let (_alone, whole, folder) = (alone(), whole(), tempfile::tempdir().unwrap());
-    let there = RefCell::new(Vec::new());
+    // Each query has a folder of its own, and every other set is of any-hit rays.
+    let (_alone, sets) = (alone(), [Query::Closest, Query::Any].map(whole));
+    let folders = sets.each_ref().map(|_| (tempfile::tempdir().unwrap(), RefCell::new(Vec::new())));
     // What is kept of a finding is its number.
-    let of = |number: &[u8]| damaged(&whole, u64::from_le_bytes(number.try_into().unwrap()));
-    fuzz::run(
-        numbers,
-        |number| number.to_le_bytes().to_vec(),
-        |number| reads(&folder, &mut there.borrow_mut(), &of(number)),
-    )
+    let of = |number: &[u8]| {
+        let number = u64::from_le_bytes(number.try_into().unwrap());
+        let place = (number % 2) as usize;
+        let (folder, there) = &folders[place];
+        reads(folder, &mut there.borrow_mut(), &damaged(&sets[place], number))
+    };
+    fuzz::run(numbers, |number| number.to_le_bytes().to_vec(), of)
 }
 
 /// Proves that a set is read as it was written, within the memory that is promised.
 #[test]
 fn whole_sets_are_read() {
     let (_alone, folder) = (alone(), tempfile::tempdir().unwrap());
-    assert_eq!(reads(&folder, &mut Vec::new(), &whole()).outcome, Ok(Outcome::Read));
+    assert_eq!(reads(&folder, &mut Vec::new(), &whole(Query::Closest)).outcome, Ok(Outcome::Read));
+    let other = tempfile::tempdir().unwrap();
+    assert_eq!(reads(&other, &mut Vec::new(), &whole(Query::Any)).outcome, Ok(Outcome::Read));
 }
 
 /// Proves that of 2,000 damaged sets every one is refused by the name of a file or read, without a panic and within four times the bytes of

@@ -38,7 +38,10 @@ const FOUND: usize = NAMES.len();
 const NAMES: [&str; 3] = ["worst found", "worst found, 2nd", "worst found, 3rd"];
 
 /// The folder beside the record for what was made small.
-const FOLDER: &str = "attack";
+pub(crate) const FOLDER: &str = "attack";
+
+/// What the names of journals of trials end with.
+const TRIALS: &str = "-trials";
 
 /// What is searched for, and how long.
 #[derive(Clone, Copy, Debug)]
@@ -138,7 +141,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Searches, and measures what was found anew into a record. Its places have numbers from `first` on.
     fn run(&self, first: usize, begun: Instant, record: &mut Record) -> Result<SearchRecord, Stopped> {
-        let Trials { searched, random, .. } = self.trials(&format!("{first:03}-trials"), begun)?;
+        let Trials { searched, random, .. } = self.trials(&format!("{first:03}{TRIALS}"), begun)?;
         let Some(random_worst) = random.iter().copied().reduce(Trial::worse) else {
             return Err(Stopped::Skipped(false, "the budget was over before a trial began".to_owned()));
         };
@@ -146,13 +149,10 @@ impl Search<'_> {
         found.sort_by(|one, other| other.compare(one));
         found.truncate(if self.options.is_brief { 1 } else { FOUND });
         let mut poses = Vec::new();
-        let mut shrunk = None;
         for (place, (name, trial)) in NAMES.into_iter().zip(found).enumerate() {
-            let (pose, small) = self.anew(first + place, name, (&trial, &searched), record)?;
-            poses.push(pose);
-            shrunk = shrunk.or(small);
+            poses.push(self.anew(first + place, name, (&trial, &searched), record)?);
         }
-        let (random_pose, _) = self.anew(first + FOUND, "worst random", (&random_worst, &random), record)?;
+        let random_pose = self.anew(first + FOUND, "worst random", (&random_worst, &random), record)?;
         Ok(SearchRecord {
             scene: self.poses.name().to_owned(),
             tracer: records::request_record(self.tracer),
@@ -161,7 +161,6 @@ impl Search<'_> {
             trials_sha256: crate::hash::sha256_of(&serde_json::to_vec(&(&searched, &random)).unwrap_or_default()),
             found: poses,
             random: random_pose,
-            shrunk,
         })
     }
 
@@ -176,8 +175,11 @@ impl Search<'_> {
             let count = trials.searched.len();
             if trials.random.len() < count {
                 trials.random.push(self.random(&mut config, trials.random.len())?);
-            } else if count >= wanted as usize || budget.is_some_and(|budget| begun.elapsed() >= budget) {
+            } else if count >= wanted as usize {
                 trials.is_done = true;
+            } else if budget.is_some_and(|budget| begun.elapsed() >= budget) {
+                self.context.journal.stay(TRIALS);
+                break;
             } else {
                 trials.searched.push(self.next(&mut config, &trials.searched)?);
             }
@@ -187,14 +189,14 @@ impl Search<'_> {
         Ok(trials)
     }
 
-    /// Measures the pose of one of some trials on fresh rays; paints them, and makes those of the worst small.
+    /// Measures the pose of one of some trials on fresh rays; paints them, and makes those of a pose that was found small.
     fn anew(
         &self,
         index: usize,
         name: &str,
         (trial, all): (&Trial, &[Trial]),
         record: &mut Record,
-    ) -> Result<(PoseRecord, Option<ShrunkRecord>), Stopped> {
+    ) -> Result<PoseRecord, Stopped> {
         let scene = self.poses.scene(&trial.candidate)?;
         let mesh = scene.mesh.clone();
         let number = all.iter().position(|one| one == trial).unwrap_or_default() as u64;
@@ -206,7 +208,7 @@ impl Search<'_> {
             ray_sets: vec![*self.set],
             ..self.poses.plan(&trial.candidate, &fresh(self.plan))
         };
-        let (is_worst, size) = (name == NAMES[0], plan.preset.ray_image);
+        let (is_found, size) = (NAMES.contains(&name), plan.preset.ray_image);
         let look = |session: &Session, rays: &PreparedRays, told: &[Option<Observations>]| -> Result<Value, RunError> {
             let (Some(Some(told)), false) = (told.first(), self.options.is_brief) else { return Ok(Value::Null) };
             let classes = session.classes(self.label, rays, self.options.rule, &told.hits)?;
@@ -215,7 +217,7 @@ impl Search<'_> {
             let config = self.context.config(self.tracer)?;
             let (rule, progress) = (self.options.rule, self.context.progress);
             let shrinker = Shrinker { session, set: *self.set, rule, config, mesh: &mesh, progress };
-            let small = if is_worst { shrinker.shrink(rays, told)? } else { None };
+            let small = if is_found { shrinker.shrink(rays, told)? } else { None };
             let shrunk = small.map(|small| self.written(&small, session, &pose_record)).transpose()?.flatten();
             measure::told(&(picture, shrunk))
         };
@@ -223,14 +225,15 @@ impl Search<'_> {
         let mut found = measure::measure_scene(index, &plan, scene, &request, OPTIONS, Some(&look), self.context)?;
         let (picture, shrunk): Looked = found.take_hooked()?.pop().unwrap_or_default();
         measure::add_or_skip(record, found, &request);
-        Ok((PoseRecord { picture, ..pose_record }, shrunk))
+        Ok(PoseRecord { picture, shrunk, ..pose_record })
     }
 
     /// Writes what was made small beside the record, and says how it is traced; nothing where nothing is written.
     fn written(&self, small: &Shrunk, session: &Session, pose: &PoseRecord) -> Result<Option<ShrunkRecord>, RunError> {
         let Some(results) = self.context.journal.results() else { return Ok(None) };
         let safe = |letter: char| if letter.is_ascii_alphanumeric() || letter == '-' { letter } else { '_' };
-        let name: String = [self.poses.name(), self.label, self.set.name].join("_").chars().map(safe).collect();
+        let of = [self.poses.name(), self.label, self.set.name, &pose.trial.to_string()];
+        let name: String = of.join("_").chars().map(safe).collect();
         let below = format!("{FOLDER}/{name}");
         let folder = OutputFolder::open(&results.path().join(&below)).map_err(ExchangeError::from)?;
         let scene = exchange::write_scene(&folder, &small.mesh, &name)?;

@@ -3,6 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use rayon::ThreadPoolBuilder;
+use serde_json::json;
 use tracebench_api::{
     Counter, Geometry, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Status, Structure, TraceJob,
     TraceTo, Tracer, TracerDescription, TracerError, Update, Viewpoint,
@@ -17,12 +18,13 @@ use crate::measure::Journal;
 use crate::measure::controls::Control;
 use crate::plan::SceneSource;
 use crate::progress::Progress;
+use crate::rays::sampling::Stream;
 use crate::rays::{HOSTILE, RAY_SETS, default_parameters};
 use crate::registrations::{Create, Registration, Told};
 use crate::registry::Device;
 use crate::report;
 use crate::results::Row;
-use crate::truth::{Cache, Ray64, Truth};
+use crate::truth::{Answer, Cache, MOVES, Ray64, TrueHit, Truth, nearest_point};
 use crate::viewpoint::Pose;
 
 /// What a tracer does that answers the truth else.
@@ -212,10 +214,16 @@ fn planted_faults_are_found_and_made_small() {
             let there = right(found, viewpoint);
             assert!(of_found[1] < there[0], "{viewpoint}: {of_found:?} {there:?}");
         }
-        let small = found.shrunk.as_ref().unwrap();
+        assert!(found.found.iter().all(|pose| pose.shrunk.is_some() == (pose.wrong > 0)), "{found:?}");
+        for pose in found.found.iter().chain([&found.random]) {
+            let picture = folder.path().join("out/pictures").join(pose.picture.as_ref().unwrap());
+            assert!(picture.is_file(), "{}", picture.display());
+        }
+        let small = worst.shrunk.as_ref().unwrap();
         assert!(small.rays == 1 && small.triangles <= 8, "{small:?}");
         // What was written is what the command reads, and its truth is that of the small scene.
-        let written = folder.path().join("out/attack").join(format!("room_{}_diffuse", found.tracer.name));
+        let name = format!("room_{}_diffuse_{}", found.tracer.name, worst.trial);
+        let written = folder.path().join("out/attack").join(name);
         let set = exchange::read(&written).unwrap();
         let scene = exchange::scene(&written, &set.manifest).unwrap();
         assert_eq!(scene.mesh.triangles.len() as u64, small.triangles + small.markers);
@@ -234,7 +242,13 @@ fn planted_faults_are_found_and_made_small() {
         assert_eq!((seen.near, seen.far), (viewpoint.near, viewpoint.far));
         assert!(small.command.contains("--rays file:attack/room_") && small.command.contains(&worst.view));
     }
-    assert_eq!((sound.found[0].wrong, &sound.shrunk), (0, &None));
+    assert!(sound.found.iter().all(|pose| pose.wrong == 0 && pose.shrunk.is_none()), "{sound:?}");
+    let files = report::contents(&record, |_| Ok(report::Report::default())).unwrap();
+    let page = String::from_utf8(files.into_iter().find(|(name, _)| name == "attack.md").unwrap().1).unwrap();
+    for (tracer, worse) in [("losing", "yes"), ("far", "yes"), ("sound", "undecided")] {
+        let row = page.lines().find(|line| line.contains(&format!("| {tracer} | 128 |")));
+        assert!(row.unwrap_or_else(|| panic!("{page}")).contains(&format!("| {worse} |")), "{tracer}: {row:?}");
+    }
     // What is wrong along x is much of what one sees.
     let share = far.found[0].wrong as f64 / far.found[0].judged as f64;
     assert!(share > 0.1, "{share}");
@@ -326,6 +340,77 @@ fn the_page_has_every_tracer_at_three_viewpoints() {
             assert!(shares.iter().all(|share| row[*share].contains(" % [")), "{row:?}");
         }
     }
+}
+
+/// Proves that a search which its budget ended keeps its trials beside the record, and that gone on with it finds what one finds that ran through.
+#[test]
+fn a_budget_only_stops() {
+    let plan = plan(&[planted(Fault::Far)], diffuse());
+    let of = |trials: u32, budget: Option<Duration>| AttackOptions { is_brief: true, budget, ..options(trials) };
+    // As long as it takes until a trial fits.
+    let budgets = (0..8).map(|power| Duration::from_millis(200 << power));
+    let stopped = |budget: Duration| {
+        let folder = tempfile::tempdir().unwrap();
+        let journal = begun(folder.path());
+        let record = search(&plan, &of(100_000, Some(budget)), &journal).ok()?;
+        assert!(journal.recorded() && Journal::is_in(&folder.path().join("out")));
+        Some((folder, record.attack.unwrap().searches.remove(0).trials as u32))
+    };
+    let (folder, count) = budgets.map(stopped).find_map(|stopped| stopped).unwrap();
+    assert!((1..100_000).contains(&count), "{count}");
+    let results = Arc::new(OutputFolder::open(&folder.path().join("out")).unwrap());
+    let journal = Journal::resume(&results, &Value::Null, &machine::this_machine(None)).unwrap();
+    let kept = journal.read::<Trials>("001-trials").unwrap().unwrap();
+    assert_eq!((kept.searched.len(), kept.random.len()), (count as usize, count as usize));
+    let gone_on = search(&plan, &of(count + 3, None), &journal).unwrap();
+    let through = search(&plan, &of(count + 3, None), &Journal::none()).unwrap();
+    assert_eq!(gone_on.attack, through.attack);
+    assert!(!journal.recorded() && !Journal::is_in(results.path()));
+}
+
+/// Proves that poses are admissible just where the eye is in the bounds and a hundredth of a diagonal clear of every triangle, and that of rays
+/// a twentieth must start and hit and at most six of a hundred be ambiguous.
+#[test]
+fn poses_are_admissible_by_their_rules() {
+    let plan = plan(&[planted(Fault::None)], diffuse());
+    let device: Device = Err(TracerError::Unavailable("none is needed".to_owned()));
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let context = Context::new(&device, &cache, &quiet, &journal);
+    let poses = Poses::new(&plan, &plan.scenes[0], &context).unwrap();
+    let mut stream = Stream::new(1, 99, 0);
+    let mut counts = [0; 2];
+    for _ in 0..300 {
+        let candidate = poses.any(&mut stream).unwrap();
+        let scene = poses.truth(&candidate).unwrap();
+        let geometry = scene.truth.geometry();
+        let eye = Pose::parse(&candidate.view()).unwrap().eye.as_dvec3();
+        let triangles = (0..geometry.triangles.len() as u32).map(|of| geometry.corners(of).map(glam::Vec3::as_dvec3));
+        let distances = triangles.map(|corners| (nearest_point(eye, corners) - eye).length());
+        let clear = distances.fold(f64::INFINITY, f64::min) / scene.truth.diagonal();
+        if (clear - 0.01).abs() > 1e-6 {
+            assert_eq!(poses.admissible(&candidate).unwrap().is_some(), clear > 0.01, "{clear}");
+            counts[usize::from(clear > 0.01)] += 1;
+        }
+    }
+    assert!(counts.iter().all(|count| *count > 10), "{counts:?}");
+    let outside = json!({ "eye": [1e3, 0.0, 0.0], "target": [0.0, 0.0, 0.0], "time": 0, "scale": 0 });
+    assert!(poses.admissible(&serde_json::from_value(outside).unwrap()).unwrap().is_none());
+    // Of 512 pixels a twentieth are 25.6.
+    let has_enough = |set: RaySet, count: usize, hits: usize, ambiguous: usize| {
+        let hit = Some(TrueHit { t: 1.0, primitive: 0 });
+        let answer = |place: usize| Answer {
+            hit: hit.filter(|_| place < hits),
+            perturbed: (place < ambiguous).then(|| Box::new([None; MOVES])),
+        };
+        let ray = tracebench_api::Ray { origin: [0.0; 3], t_min: 0.0, direction: [1.0, 0.0, 0.0], t_max: 1e30 };
+        let rays = Arc::new(vec![ray; count]);
+        poses.has_enough(&PreparedRays::new(set, (rays, Arc::new((0..count).map(answer).collect())), None, None))
+    };
+    assert!(has_enough(diffuse(), 26, 26, 0) && !has_enough(diffuse(), 25, 25, 0));
+    assert!(has_enough(diffuse(), 100, 5, 0) && !has_enough(diffuse(), 100, 4, 0));
+    assert!(
+        has_enough(diffuse(), 100, 100, 6) && !has_enough(diffuse(), 100, 100, 7) && has_enough(HOSTILE, 100, 100, 90)
+    );
 }
 
 /// Proves that hostile rays are searched though many are ambiguous, that a tracer which refuses is told of with its reason while others are
