@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Looks at a page of `tracebench report --html` in headless Chromium: tests/look_at_report.sh PAGE.html FOLDER
 # Checks that the console says nothing, that what is left out goes and comes back, that tables sort and points tell their parameters, and
-# that the address holds the choice; writes pictures of light and dark, narrow and wide, to the folder. Debian has the browser as
+# that the address holds the choice; writes pictures of light and dark, narrow and wide, and it printed, to the folder. Debian has the browser as
 # `apt-get install chromium`; CHROMIUM names another one. It is part of no other command.
 set -euo pipefail
 [ $# -eq 2 ] || { sed -n 2p "$0" >&2; exit 2; }
@@ -41,4 +41,5 @@ for light in 1 0; do
     call --window-size=390,4200 --blink-settings="preferredColorScheme=$light" --screenshot="$folder/narrow-$name.png" \
         "file://$scratch/narrow.html" > /dev/null
 done
+call --no-pdf-header-footer --print-to-pdf="$folder/print.pdf" "file://$page" > /dev/null
 echo "looked at $page: pictures are in $folder"

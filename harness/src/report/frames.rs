@@ -15,8 +15,8 @@ use super::sheet::{Cell, Sheet, Table};
 use super::{Report, summary};
 use crate::registry;
 use crate::results::{
-    FramePictures, FrameRow, FrameSeries, FramesRecord, ImageRow, ROUNDED_ORACLE, Record, Rule, TracerRecord, WaveRow,
-    WorkRow, gathered,
+    COVERAGE, FramePictures, FrameRow, FrameSeries, FramesRecord, ImageRow, ROUNDED_ORACLE, Record, Rule, TracerRecord,
+    WaveRow, WorkRow, gathered, of_rounds,
 };
 use crate::statistics::{median, percentile, rank_correlation};
 use crate::studies::frames::is_exact;
@@ -132,7 +132,7 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
         "{frames} frames at {fps} a second; what moves: {moves}; structures: {update}.{cut} {what} A round is a frame, after one pass to \
          warm up. Frame time is that of the update and of the traces of all waves by the host's clock, without shading and uploads; of several \
          frames the first, which builds, is not counted. Of all waves each counts by its rays. Three figures are median / 95th percentile / worst of the frames; jitter is the 95th percentile \
-         over the median. *Turned*: of pairs of successive frames in which a surface point is seen, those whose answer along a direction \
+         over the median. *Shortest*: by ratios frame by frame, undecided where one's 99.9 % interval holds 1. *Turned*: of pairs of successive frames in which a surface point is seen, those whose answer along a direction \
          fixed in its triangle turns from right to wrong or back. The controls score what they must, else there would be no page."
     ));
     let scenes = section.scenes.iter().enumerate().map(|(place, scene)| {
@@ -151,8 +151,10 @@ fn page(record: &Record, section: &FramesRecord) -> Document {
 struct Placed<'a> {
     shown: Shown<'a>,
     place: String,
-    /// Its frames over the shortest, and over the shortest of those that rebuild in all, if it does.
-    over: [Option<f64>; 2],
+    /// Its frames over the shortest.
+    over: Option<f64>,
+    /// The greatest interval of its frames over those of another that rebuilds, frame by frame, if it does.
+    over_rebuilt: Option<[f64; 2]>,
 }
 
 impl Shown<'_> {
@@ -165,15 +167,18 @@ impl Shown<'_> {
 fn placed<'a>(section: &'a FramesRecord, scene: usize, work: &'a str) -> Vec<(String, Placed<'a>)> {
     let of_tracers = shown(section, scene, work).into_iter().filter(|shown| !shown.series.is_control());
     let all: Vec<(Shown<'_>, Option<f64>)> = of_tracers.map(|shown| (shown, some_median(&shown.ms()))).collect();
-    let over = |ms: &Option<f64>, only_rebuilt: bool| {
-        let peers = all.iter().filter(|(peer, _)| !only_rebuilt || peer.rebuilds());
-        Some((*ms)? / peers.filter_map(|(_, ms)| *ms).reduce(f64::min)?)
+    let least = all.iter().filter_map(|(_, ms)| *ms).reduce(f64::min);
+    let over_rebuilt = |of: Shown<'_>| {
+        let peers = all.iter().filter(|(peer, _)| peer.rebuilds() && !std::ptr::eq(peer.series, of.series));
+        let ratios = peers.filter_map(|(peer, _)| Some(of_rounds(&of.ms(), &peer.ms(), COVERAGE)?.interval));
+        ratios.filter(|_| of.rebuilds()).reduce(|[low, high], ratio| [low.max(ratio[0]), high.max(ratio[1])])
     };
     let place = format!("{}, {}", literal(&section.scenes[scene].scene.name), literal(work));
-    let placed = |each: &(Shown<'a>, Option<f64>)| Placed {
-        shown: each.0,
+    let placed = |(shown, ms): &(Shown<'a>, Option<f64>)| Placed {
+        shown: *shown,
         place: place.clone(),
-        over: [over(&each.1, false), if each.0.rebuilds() { over(&each.1, true) } else { None }],
+        over: ms.zip(least).map(|(ms, least)| ms / least),
+        over_rebuilt: over_rebuilt(*shown),
     };
     all.iter().map(|each| (each.0.series.tracer.label(), placed(each))).collect()
 }
@@ -191,14 +196,16 @@ fn over_all(section: &FramesRecord) -> Document {
         from_to(all).map_or(Cell::Absent, Cell::from)
     }
     let leads = |all: &[Placed<'_>]| {
-        let over = all.iter().filter_map(|placed| placed.over[1]).collect::<Vec<_>>();
-        let leads = over.iter().filter(|over| **over <= 1.0).count();
-        if over.is_empty() { Cell::None } else { format!("{leads} of {}", over.len()).into() }
+        let over: Vec<[f64; 2]> = all.iter().filter_map(|placed| placed.over_rebuilt).collect();
+        let count = |of: fn(&[f64; 2]) -> bool| over.iter().filter(|over| of(over)).count();
+        let (leads, open) = (count(|[_, high]| *high < 1.0), count(|[low, high]| *low <= 1.0 && *high >= 1.0));
+        let open = if open > 0 { format!(", undecided {open}") } else { String::new() };
+        if over.is_empty() { Cell::None } else { format!("{leads} of {}{open}", over.len()).into() }
     };
     let sheet = Sheet::<Row<'_>>::new()
         .column("tracer", |(label, _)| label.clone())
         .column("updates", |(_, all)| all.iter().map(|placed| updates(placed.shown.series)).unique().join("; "))
-        .column("frame over the shortest ↓", |(_, all)| ends(all, |placed| placed.over[0], 3))
+        .column("frame over the shortest ↓", |(_, all)| ends(all, |placed| placed.over, 3))
         .column("shortest of those that rebuild", move |(_, all)| leads(all))
         .column("right within the footprint, all waves (%) ↑", |(_, all)| {
             ends(all, |placed| Some(100.0 * placed.shown.right(2, false)?), 4)
@@ -436,7 +443,6 @@ fn over_frames(section: &FramesRecord, scene: &str, work: &str, tracers: &[Shown
             Series { label: shown.series.tracer.label(), values: (0..frames).map(at).collect(), dashed: false }
         };
         SeriesPanel {
-            of: None,
             title: title.to_owned(),
             setting: "frame".to_owned(),
             steps: steps.clone(),

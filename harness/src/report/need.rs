@@ -8,17 +8,14 @@ use std::ptr;
 use itertools::Itertools as _;
 
 use super::chart::Chart;
-use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
+use super::chart::series::errors;
 use super::document::Document;
-use super::format::{significant, thousands};
+use super::format::{significant, thousands, with_interval};
 use super::group::{groups, stems};
 use super::sheet::{Cell, Column, Sheet, Table};
 use super::{Report, metrics, rows, summary};
 use crate::results::{self, ChangedRays, NeedCurve, NeedRecord, Record, SceneRecord, gathered, values_label};
-use crate::studies::need::{Axis, Curve, OfTracer, Outcome, Step, Thumb, Transfer, Tried, curves, rules, transfers};
-
-/// The least that is drawn, as a part of the limit: a logarithm has no place for structures whose answers got better.
-const MIN_DRAWN: f64 = 0.1;
+use crate::studies::need::{Curve, OfTracer, Outcome, Step, Thumb, Tried, curves, rules};
 
 /// What the names of its charts begin with.
 pub(in crate::report) const STEM: &str = "need_";
@@ -63,49 +60,32 @@ fn config(curve: &NeedCurve) -> String {
     results::config(&curve.tracer, &curve.preset)
 }
 
-/// A panel a ray set, tracer and axis: what its steps lose, from every viewpoint. None where there is nothing to shrink.
+/// A panel a ray set and kind of bytes: what is needed, and what rays touch, over what is stored, from every viewpoint. None where nothing tells.
 fn chart(record: &Record, section: &NeedRecord, shown: &Shown<'_>) -> Option<Chart> {
-    let limit = section.max_lost_share * 100.0;
-    let mut panels = Vec::new();
-    let of_sets = shown.sets.iter().flat_map(|(rays, curves)| curves.iter().map(move |curve| (*rays, *curve)));
-    for ((rays, tracer), own) in gathered(of_sets.map(|(rays, curve)| ((rays, config(curve.section)), curve))) {
-        for axis in &own[0].axes {
-            let steps: Vec<String> = axis.steps.iter().map(|step| value_of(axis, step)).collect();
-            let of_curve = |curve: &&Curve<'_>| {
-                let beside = curve.axes.iter().find(|other| other.name == axis.name)?;
-                let of = |step: &String| beside.steps.iter().find(|other| value_of(beside, other) == *step);
-                let drawn = |upper: f64| upper.max(section.max_lost_share * MIN_DRAWN) * 100.0;
-                let values = steps.iter().map(|step| Some(drawn(of(step)?.lost()?.1[1]))).collect();
-                Some(Series { label: format!("from {}", curve.section.viewpoint), values, dashed: false })
-            };
-            let label = format!("limit, {} %", significant(limit, 2));
-            let limit = Series { label, values: vec![Some(limit); steps.len()], dashed: true };
-            panels.push(SeriesPanel {
-                title: format!("{rays}, {tracer}: {}", axis.name),
-                of: Some(tracer.clone()),
-                setting: axis.name.to_owned(),
-                series: own.iter().filter_map(of_curve).chain([limit]).collect(),
-                steps,
-                quantity: "rays lost, upper end (%), log".to_owned(),
-            });
-        }
-    }
-    let (name, triangles) = (&shown.scene.name, thousands(shown.scene.triangles));
-    let chart = SeriesChart {
-        title: format!("The need curve: {name} ({triangles} triangles)"),
-        subtitle: format!(
-            "newly wrong less newly right rays of smaller structures, upper end of the paired 95 % interval; what is below {} % is drawn there",
-            significant(section.max_lost_share * MIN_DRAWN * 100.0, 2)
-        ),
-        key: Some(["found", "allowed"]),
-        panels,
+    type Kind = (&'static str, fn(&Curve<'_>) -> Option<f64>);
+    const KINDS: [Kind; 3] = [
+        ("needed", |curve| curve.needed(false).bytes().map(|bytes| bytes as f64)),
+        ("needed in time", |curve| curve.needed(true).bytes().map(|bytes| bytes as f64)),
+        ("touched", |curve| curve.whole.touched_bytes()),
+    ];
+    let mib = |bytes: f64| bytes / f64::from(1 << 20);
+    let panel = |((rays, curves), (kind, of)): (&(&str, Vec<&Curve<'_>>), Kind)| {
+        let point =
+            |curve: &&Curve<'_>| Some((config(curve.section), mib(curve.whole.bytes()? as f64), mib(of(curve)?)));
+        (format!("{rays}: {kind} (MiB)"), curves.iter().filter_map(point).collect_vec())
     };
-    (!chart.panels.is_empty()).then(|| series(record, chart))
-}
-
-/// A step's value on its axis.
-fn value_of(axis: &Axis<'_>, step: &Step<'_>) -> String {
-    step.point.shrunk.get(axis.name).cloned().unwrap_or_default()
+    let all =
+        shown.sets.iter().cartesian_product(KINDS).map(panel).filter(|(_, points)| !points.is_empty()).collect_vec();
+    let panels = all.iter().map(|(name, points)| (name.as_str(), points.clone())).collect_vec();
+    let (name, triangles) = (&shown.scene.name, thousands(shown.scene.triangles));
+    let titles = [
+        format!("What structures need: {name} ({triangles} triangles)"),
+        format!(
+            "needed: the smallest that loses at most {} % of rays; what lies lower needs less of what is stored",
+            significant(section.max_lost_share * 100.0, 2)
+        ),
+    ];
+    (!panels.is_empty()).then(|| errors(record, titles, "stored (MiB)", &panels))
 }
 
 /// The whole page.
@@ -121,14 +101,14 @@ fn page(record: &Record, section: &NeedRecord, curves: &[Curve<'_>]) -> Document
     let sections = shown(record, curves).into_iter().map(|each| {
         let page = Document::default().scene(2, each.scene, "");
         let page = match chart(record, section, &each) {
-            Some(chart) => page.chart(&each.chart, "rays lost over steps", chart),
+            Some(chart) => page.chart(&each.chart, "bytes needed and touched over bytes stored", chart),
             None => page,
         };
         page.and(each.sets.iter().map(|(rays, curves)| of_set(rays, curves)))
     });
     let rules = rules(curves);
     let told = (!rules.is_empty()).then(|| holds(&rules).and(thumbs(&rules, curves)));
-    head.and(sections).and(told).and(elsewhere(curves)).and(summary::skipped(&record.skipped))
+    head.and(sections).and(told).and(summary::skipped(&record.skipped))
 }
 
 /// What is told of a ray set in a scene.
@@ -193,6 +173,9 @@ fn thumbs(rules: &[OfTracer<'_>], curves: &[Curve<'_>]) -> Document {
         .column("there of the whole's bytes (%) ↓", |(_, (_, tried))| tried.as_ref().map_or(Cell::from(100.0), share))
         .column("rays lost there at worst (%) ↓", |(_, (_, tried))| {
             tried.as_ref().and_then(Tried::worst).and_then(lost)
+        })
+        .column("times as long there at most ↓", |(_, (_, tried))| {
+            tried.as_ref().and_then(Tried::slowest).map(|ratio| with_interval(ratio.value, ratio.interval, 3))
         })
         .column("there it is", |(_, (_, tried))| {
             tried.as_ref().map(|tried| tried.outcome().map_or("not measured, or no smaller", Outcome::name))
@@ -292,29 +275,4 @@ fn steps(curves: &[&Curve<'_>]) -> Table {
         .column("less of", |(_, step)| step.point.label())
         .column("MiB ↓", |(_, step)| bytes(step));
     of_steps(sheet).table(&rows)
-}
-
-/// Whether needs serve where they were not found.
-fn elsewhere(curves: &[Curve<'_>]) -> Document {
-    let place = |curve: &NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
-    let sheet = Sheet::<Transfer<'_>>::new()
-        .column("tracer", |([_, to], ..)| config(to.section))
-        .column("rays", |([from, _], ..)| from.rays.to_owned())
-        .column("found in", |([from, _], ..)| place(from.section))
-        .column("needs", |(_, values, _)| values_label(values))
-        .column("tried in", |([_, to], ..)| place(to.section))
-        .column("rays lost there (%) ↓", |(.., step)| step.and_then(lost))
-        .column("serves", |(.., step)| match step.and_then(Step::outcome) {
-            Some(Outcome::Enough) => "yes",
-            Some(_) => "**no**",
-            None => "not measured",
-        });
-    let all = transfers(curves);
-    let outcomes = all.iter().filter_map(|(.., step)| step.as_ref()?.outcome()).collect_vec();
-    let (tried, served) = (outcomes.len(), outcomes.iter().filter(|found| **found == Outcome::Enough).count());
-    let page = Document::default().heading(2, "Needs that are tried elsewhere");
-    if tried == 0 {
-        return page.paragraph("None: there is no other viewpoint or scene, or nothing less than the whole is enough.");
-    }
-    page.paragraph(format!("{served} of {tried} serve where they were not found.")).table(sheet.table(&all))
 }

@@ -150,7 +150,6 @@ fn chart<'a>(page: &Page<'_>, told: &'static ToldChart, at: &mut Evaluation<'a>)
             });
             let name = |step: &Value<'_>| step.clone().items().first().and_then(Value::text).unwrap_or_default();
             panels.push(SeriesPanel {
-                of: None,
                 title,
                 setting: told.setting.clone(),
                 steps: steps.iter().map(name).collect(),

@@ -1,6 +1,7 @@
 //! A drawing surface over plotters: lengths in points, text in the bundled font, SVG and PNG of the same shapes.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::sync::Once;
 
@@ -13,6 +14,7 @@ use plotters::style::text_anchor::{Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, RGBColor, TextStyle, WHITE, register_font};
 
 use super::palette::{self, Style};
+use crate::hash::sha256_of;
 use crate::render::encoded;
 
 /// Backend pixels a point: plotters takes whole pixels only, so small ones make positions exact and PNGs sharp.
@@ -134,7 +136,7 @@ impl Canvas {
         let _ = self.paint(SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area(), 0.0);
         let page = format!("width=\"{width}\" height=\"{height}\"");
         let in_points = format!("width=\"{wide}\" height=\"{high}\"{}", OF_ALL.concat());
-        compact(&svg).replacen(&page, &in_points, 1)
+        named(&compact(&svg)).replacen(&page, &in_points, 1)
     }
 
     /// As PNG.
@@ -197,7 +199,8 @@ fn pixel((x, y): Place) -> Pixel {
 /// An SVG of plotters in less than half the bytes, the same to the eye: without attributes that say what holds anyway, those of all named once,
 /// lines of one look that follow each other, such as dashes, as one path, and corners of lines and polygons as steps from one to the next.
 pub(super) fn compact(svg: &str) -> String {
-    const USUAL: [&str; 3] = [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\""];
+    const USUAL: [&str; 4] =
+        [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\"", " text-anchor=\"start\""];
     let plain = USUAL.iter().chain(&OF_ALL).fold(svg.to_owned(), |svg, usual| svg.replace(usual, ""));
     let mut compact = String::with_capacity(plain.len());
     let (mut open, mut at) = (None, (0, 0));
@@ -221,6 +224,45 @@ pub(super) fn compact(svg: &str) -> String {
         open = look;
     }
     compact
+}
+
+/// An SVG with every marker, a shape on its rim, once: it is named after its look, so that in a page of many drawings one name is one look.
+pub(super) fn named(svg: &str) -> String {
+    const WHITE: &str = "fill=\"#FFFFFF\"";
+    const MAX_RIM: i32 = 16;
+    let (mut looks, mut all) = (BTreeMap::new(), String::with_capacity(svg.len()));
+    let mut lines = svg.lines().peekable();
+    while let Some(line) = lines.next() {
+        let next = lines.peek().filter(|next| next.contains(WHITE) != line.contains(WHITE));
+        let pair = filled(line).zip(next.and_then(|next| filled(next)));
+        let near = |((x, y), (left, top)): (Pixel, Pixel)| (x - left).abs() + (y - top).abs() < MAX_RIM;
+        let Some((rim, shape)) = pair.filter(|(rim, shape)| near((rim.0, shape.0))) else {
+            all.extend([line, "\n"]);
+            continue;
+        };
+        lines.next();
+        let (x, y) = rim.0;
+        let part = |((left, top), [before, between, behind]): (Pixel, [&str; 3])| {
+            format!("{before}{}{between}{}{behind}", left - x, top - y)
+        };
+        let look = part(rim) + &part(shape);
+        let name = format!("m{}", &sha256_of(look.as_bytes())[..6]);
+        all += &format!("<use href=\"#{name}\" x=\"{x}\" y=\"{y}\"/>\n");
+        looks.entry(name).or_insert(look);
+    }
+    let looks: String = looks.iter().map(|(name, look)| format!("<g id=\"{name}\">{look}</g>\n")).collect();
+    let (head, drawn) = all.split_once('\n').unwrap_or_default();
+    if looks.is_empty() { all } else { format!("{head}\n<defs>\n{looks}</defs>\n{drawn}") }
+}
+
+/// The place of a filled circle or polygon, and what is before, between and behind its coordinates.
+fn filled(line: &str) -> Option<(Pixel, [&str; 3])> {
+    let is_circle = line.starts_with("<circle ");
+    let (begin, between) = if is_circle { (" cx=\"", "\" cy=\"") } else { (" d=\"m", ",") };
+    let (before, rest) = line.split_once(begin).filter(|_| is_circle || line.starts_with("<path fill="))?;
+    let (x, rest) = rest.split_once(between)?;
+    let (y, behind) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit())?);
+    Some(((x.parse().ok()?, y.parse().ok()?), [&line[..before.len() + begin.len()], between, behind]))
 }
 
 /// Points such as `4,6 9,2` as a part of a path: the first as a step from where the last part ended, each other as one from that before it.

@@ -70,8 +70,6 @@ pub(crate) struct Chart {
     /// Height of the data's rectangle.
     plot_height: f64,
     pub(super) panels: Vec<Panel>,
-    /// A chart a tracer, where its panels are of tracers.
-    pub(in crate::report) by_tracer: Vec<(String, Chart)>,
 }
 
 /// The rectangle of a panel's data.
@@ -86,8 +84,7 @@ pub(super) struct Rect {
 impl Chart {
     /// Panels with the title and the line under it, the caption, and the legends: who is who, and how to read.
     pub(super) fn new(panels: Vec<Panel>, titles: [String; 2], caption: String, legends: [Vec<Entry>; 2]) -> Self {
-        let (columns, by_tracer) = (panels.len().clamp(1, 3), Vec::new());
-        Self { titles, caption, legends, columns, plot_height: PLOT_HEIGHT, panels, by_tracer }
+        Self { titles, caption, legends, columns: panels.len().clamp(1, 3), plot_height: PLOT_HEIGHT, panels }
     }
 
     /// The same in so many columns of panels of a height.

@@ -1,8 +1,6 @@
 //! What studies give as data: values over a setting, a panel a quantity, as lines through values at equal distances, whatever the setting's
 //! steps; and errors against time, a panel an error.
 
-use itertools::Itertools as _;
-
 use super::caption_with;
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Chart, Entry, Sample};
@@ -28,8 +26,6 @@ pub(crate) struct Series {
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SeriesPanel {
-    /// The tracer that it is of alone: a page leaves it out with that.
-    pub of: Option<String>,
     pub title: String,
     pub setting: String,
     pub steps: Vec<String>,
@@ -48,26 +44,16 @@ pub(crate) struct SeriesChart {
     pub panels: Vec<SeriesPanel>,
 }
 
-/// A chart of a record, and one a tracer, where every panel is of one.
+/// A chart of a record.
 pub(crate) fn series(record: &Record, chart: SeriesChart) -> Chart {
-    let tracers = chart.panels.iter().filter_map(|panel| panel.of.as_deref()).unique();
-    let mut whole = series_of(record, &chart, None);
-    whole.by_tracer = tracers.map(|tracer| (tracer.to_owned(), series_of(record, &chart, Some(tracer)))).collect();
-    whole
-}
-
-/// Lays out panels: all, or those of a tracer.
-fn series_of(record: &Record, chart: &SeriesChart, tracer: Option<&str>) -> Chart {
-    let panels = || chart.panels.iter().filter(|panel| tracer.is_none() || panel.of.as_deref() == tracer);
-    let labels = panels().flat_map(|panel| &panel.series).map(|series| series.label.clone());
+    let SeriesChart { title, subtitle, key, panels } = chart;
+    let labels = panels.iter().flat_map(|panel| &panel.series).map(|series| series.label.clone());
     let styles = Styles::of_labels(labels);
-    let key = chart.key.map_or_else(Vec::new, |[solid, dashed]| {
+    let key = key.map_or_else(Vec::new, |[solid, dashed]| {
         vec![Entry::new(Sample::Line(PLAIN), solid), Entry::new(Sample::Hollow(PLAIN), format!("{dashed} (dashed)"))]
     });
-    let titles = [chart.title.clone(), chart.subtitle.clone()];
-    let caption = caption_with(record, "");
-    let panels = panels().map(|each| panel(each, &styles)).collect();
-    Chart::new(panels, titles, caption, [styles.legend(Sample::Line), key])
+    let panels = panels.iter().map(|each| panel(each, &styles)).collect();
+    Chart::new(panels, [title, subtitle], caption_with(record, ""), [styles.legend(Sample::Line), key])
 }
 
 fn panel(panel: &SeriesPanel, styles: &Styles) -> Panel {

@@ -41,7 +41,7 @@ fn labels(svg: &str) -> Vec<Label> {
         let size = number("font-size");
         let width = text_width(&text, size);
         let left = number("x")
-            - match attribute(tag, "text-anchor").unwrap() {
+            - match attribute(tag, "text-anchor").unwrap_or("start") {
                 "start" => 0.0,
                 "middle" => width / 2.0,
                 _ => width,
@@ -204,7 +204,6 @@ fn looks_differ() {
 fn series_are_drawn_whatever_they_hold() {
     let record = fixture::typical();
     let panel = |values: Vec<Option<f64>>| SeriesPanel {
-        of: None,
         title: "Bytes".to_owned(),
         setting: "B".to_owned(),
         steps: ["8", "16", "24"].map(str::to_owned).to_vec(),
@@ -254,7 +253,8 @@ fn break_even_names_every_point() {
     let svg = page.charts().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg();
     let lines: Vec<&str> = svg.lines().collect();
     // Labels of ticks do not begin at their place.
-    let times = |text: &str| lines.windows(2).filter(|pair| pair[0].contains("\"start\"") && pair[1] == text).count();
+    let begins = |line: &str| line.starts_with("<text ") && !line.contains("text-anchor");
+    let times = |text: &str| lines.windows(2).filter(|pair| begins(pair[0]) && pair[1] == text).count();
     let panels = svg.lines().filter(|line| line.ends_with("% right")).count();
     let entries: Vec<&str> = svg
         .lines()
@@ -278,4 +278,32 @@ fn compact_paths_keep_their_corners() {
     let wanted = "<svg>\n<path stroke=\"#000000\" stroke-width=\"2\" d=\"m1,2 29,2 0-8m10,9-33,0\"/>\n\
         <path fill=\"#FFFFFF\" d=\"m5,5 0,4-3,0\"/>\n<path fill=\"#FFFFFF\" d=\"m9,9-1-8\"/>\n</svg>\n";
     assert_eq!(canvas::compact(svg), wanted);
+}
+
+/// Proves that markers, a shape on its rim, of one look are there once and used where they were, in their order, and that what is no marker stays.
+#[test]
+fn markers_of_one_look_are_drawn_once() {
+    let circles = |x: u32| {
+        format!(
+            "<circle cx=\"{x}\" cy=\"7\" r=\"4\" fill=\"#FFFFFF\"/>\n<circle cx=\"{x}\" cy=\"7\" r=\"3\" fill=\"#000000\"/>\n"
+        )
+    };
+    let kites = "<path fill=\"#FF0000\" d=\"m1,2 3,4-1-1\"/>\n<path fill=\"#FFFFFF\" d=\"m2,3 2,2-1-1\"/>\n";
+    let alone = "<path fill=\"#00FF00\" d=\"m9,9 1,1 0-1\"/>\n<path fill=\"#0000FF\" d=\"m9,9 1,1 0-1\"/>\n";
+    let made = canvas::named(&format!("<svg>\n{}{kites}{alone}{}</svg>\n", circles(5), circles(50)));
+    let (looks, drawn) = made.strip_prefix("<svg>\n<defs>\n").unwrap().split_once("</defs>\n").unwrap();
+    let look = |parts: &str| {
+        let line =
+            looks.lines().find(|line| line.ends_with(&format!(">{parts}</g>"))).unwrap_or_else(|| panic!("{looks}"));
+        line.split('"').nth(1).unwrap().to_owned()
+    };
+    let circle = look(
+        "<circle cx=\"0\" cy=\"0\" r=\"4\" fill=\"#FFFFFF\"/><circle cx=\"0\" cy=\"0\" r=\"3\" fill=\"#000000\"/>",
+    );
+    let kite = look("<path fill=\"#FF0000\" d=\"m0,0 3,4-1-1\"/><path fill=\"#FFFFFF\" d=\"m1,1 2,2-1-1\"/>");
+    let used = |name: &str, x: u32, y: u32| format!("<use href=\"#{name}\" x=\"{x}\" y=\"{y}\"/>\n");
+    let wanted =
+        [used(&circle, 5, 7), used(&kite, 1, 2), alone.to_owned(), used(&circle, 50, 7), "</svg>\n".to_owned()];
+    assert_eq!((looks.lines().count(), drawn), (2, &*wanted.concat()));
+    assert_eq!(canvas::named("<svg>\n</svg>\n"), "<svg>\n</svg>\n");
 }

@@ -24,8 +24,9 @@ use crate::studies::pareto::{By, Cost, FrontStatus, Wrong};
 pub(super) fn fronts(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for place in places {
-        let chart = front::fronts(place.field, place.by, |_| true);
-        pieces.push(place.piece(Rank::Front, "fronts", with_points(place, chart)));
+        let chart = |of_speed| front::fronts(place.field, place.by, |cost| (cost == Cost::Trace) == of_speed);
+        pieces.push(place.piece(Rank::Front, "fronts", with_points(place, chart(true))));
+        pieces.push(place.piece(Rank::Front, "fronts of other costs", with_points(place, chart(false))));
         let on_fronts = by_rule(place, |by| page::front_points(place.field, by));
         pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &on_fronts, names));
     }

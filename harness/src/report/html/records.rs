@@ -35,18 +35,18 @@ fn pages_of(read: &Read<'_>, report: &Report, names: &Names) -> Vec<Piece> {
     let mut pages: Vec<&(String, Document)> = report.pages.iter().collect();
     pages.sort_by_key(|(name, _)| name == SUMMARY);
     let mut pieces = Vec::new();
-    let charts = |alt: &str, chart: &Chart, tags: Tags<'_>| drawn(chart, alt, tags, read, names).into_iter();
+    let drawn =
+        |alt: &str, chart: &Chart, tags: Tags<'_>| figure(&chart.svg(), alt, &caption(alt, tags, &read.label()), tags);
     for (name, page) in pages {
         let title = format!("{} ({})", page.title().unwrap_or(name), read.name);
         let above = RefCell::new(Vec::new());
         let html = html(page, 3, names, &|stem, alt, chart, tags| {
+            let html = drawn(alt, chart, tags);
             if name == SUMMARY {
-                return charts(alt, chart, tags).map(|(_, html)| html).collect();
+                return html;
             }
-            let heavy = |(of, html): (String, String)| {
-                Piece::heavy(Rank::Chart, format!("{stem}.svg of {of}"), Tags::default(), html)
-            };
-            above.borrow_mut().extend(charts(alt, chart, tags).map(heavy));
+            let what = format!("{stem}.svg of {}", read.name);
+            above.borrow_mut().push(Piece::heavy(Rank::Chart, what, Tags::default(), html));
             String::new()
         });
         pieces.extend(above.into_inner());
@@ -57,19 +57,6 @@ fn pages_of(read: &Read<'_>, report: &Report, names: &Names) -> Vec<Piece> {
         pieces.push(Piece::heavy(rank, what, Tags::default(), details(&title, "", &html)));
     }
     pieces
-}
-
-/// A chart with what it is of; one a tracer where its panels are of tracers, so that these can be left out.
-fn drawn(chart: &Chart, alt: &str, tags: Tags<'_>, read: &Read<'_>, names: &Names) -> Vec<(String, String)> {
-    let one = |of: String, alt: &str, chart: &Chart, tags: Tags<'_>| {
-        (of, figure(&chart.svg(), alt, &caption(alt, tags, &read.label()), tags))
-    };
-    let part = |(tracer, part): &(String, Chart)| {
-        let tags = Tags { tracer: names.tracer(tracer), ..tags };
-        one(format!("{tracer} in {}", read.name), &format!("{tracer}, {alt}"), part, tags)
-    };
-    let parts: Vec<_> = chart.by_tracer.iter().map(part).collect();
-    if parts.is_empty() { vec![one(read.name.clone(), alt, chart, tags)] } else { parts }
 }
 
 /// What a paper's claims come to.

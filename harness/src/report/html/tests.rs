@@ -136,7 +136,7 @@ fn the_first_screen_answers() {
         let html = page_of(records, MAX_BYTES).html;
         let first = part(&html, "<section id=\"first\"", "</section>").to_owned();
         let links: Vec<&str> =
-            first.match_indices("href=\"#").map(|(at, _)| part(&first[at + 7..], "", "\"")).collect();
+            first.match_indices("<a href=\"#").map(|(at, _)| part(&first[at + 10..], "", "\"")).collect();
         assert!(links.iter().all(|id| html.contains(&format!("id=\"{id}\""))), "{links:?}");
         let count = links.len();
         (first, count)
@@ -179,7 +179,8 @@ fn every_point_is_there_once() {
         assert_eq!(html.matches(&format!("data-point=\"r0p{index}\"")).count(), 10, "{index}");
     }
     let figure = part(&html, "<figure data-scene=\"room\" data-rays=\"diffuse\"", "</figure>");
-    let panel = part(figure, "<g class=\"panel\" role=\"group\" aria-label=\"speed", "<g class=\"panel\"");
+    let panel = part(figure, "<g class=\"panel\" role=\"group\" aria-label=\"speed", "</svg>");
+    assert!(!panel[1..].contains("<g class=\"panel\""));
     let begin = "class=\"mark front";
     let index =
         |at: usize| part(&panel[at..], "data-index=\"", "\" data-cost")["data-index=\"".len()..].parse().unwrap();

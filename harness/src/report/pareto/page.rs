@@ -139,9 +139,12 @@ fn by_rule(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     let speed = front::fronts(field, by, |cost| matches!(cost, Cost::Trace));
     let others = front::fronts(field, by, |cost| !matches!(cost, Cost::Trace));
     let mut page = Document::default().heading(4, format!("By {name}")).chart(stem(name), "fronts of speed", speed);
-    page = page.chart(stem(&format!("{name}_costs")), "fronts of first builds, bytes and frames", others);
-    if let Some(matched) = front::matched(field, by) {
-        page = page.chart(stem(&format!("{name}_matched")), "fronts at matched bytes and first build", matched);
+    // By the other rules they are much the same.
+    if By::all(field.query).last() == Some(&by) {
+        page = page.chart(stem(&format!("{name}_costs")), "fronts of first builds, bytes and frames", others);
+        if let Some(matched) = front::matched(field, by) {
+            page = page.chart(stem(&format!("{name}_matched")), "fronts at matched bytes and first build", matched);
+        }
     }
     let tables = [operating_points(field, by), reach(field, by), front_points(field, by)];
     page.and(tables).and(break_even(field, by, stem("break_even")))

@@ -49,7 +49,8 @@ fn fronts_have_their_files() {
         "rows.csv",
         "pareto_room_diffuse_footprint.svg",
         "pareto_room_diffuse_footprint_costs.svg",
-        "pareto_room_diffuse_tight_matched.png",
+        "pareto_room_diffuse_tight.svg",
+        "pareto_room_diffuse_footprint_matched.png",
         "pareto_room_diffuse_break_even.svg",
         "pareto_room_ao_balanced_accuracy.svg",
     ] {

@@ -1,7 +1,4 @@
-//! What follows from structures that were shrunk: how far each thing may shrink, what is needed, stored and touched, and whether a need
-//! that was found in one place serves in others.
-
-use std::collections::BTreeMap;
+//! What follows from structures that were shrunk: how far each thing may shrink, and what is needed, stored and touched.
 
 use super::Outcome;
 use crate::registrations::Touch;
@@ -54,10 +51,6 @@ pub struct Step<'a> {
     /// Where a structure is too small.
     limits: &'a NeedRecord,
 }
-
-/// A need elsewhere: where it was found, and where it is tried; what is needed, the smallest value of an axis that does, or of several axes at
-/// once; and the same there, if it was measured.
-pub type Transfer<'a> = ([&'a Curve<'a>; 2], &'a BTreeMap<String, String>, Option<&'a Step<'a>>);
 
 impl<'a> Step<'a> {
     /// The share of rays that are rightly answered by the curve's rule, with its interval; none where nothing was judged.
@@ -150,17 +143,6 @@ impl<'a> Curve<'a> {
         self.axes.iter().flat_map(|axis| &axis.steps).chain(&self.joint)
     }
 
-    /// What was found to be needed: as far as each axis may shrink alone, by both measures, and the smallest structures of all.
-    fn needs(&self) -> Vec<&'a BTreeMap<String, String>> {
-        let of_axis = |axis: &Axis<'a>, in_time: bool| {
-            let smallest = axis.need(in_time)[0]?;
-            Some(&axis.steps.iter().find(|step| step.value(axis.name) == Some(smallest))?.point.shrunk)
-        };
-        let singles = self.axes.iter().flat_map(|axis| [false, true].map(|in_time| of_axis(axis, in_time)));
-        let smallest = [false, true].map(|in_time| Some(&self.needed(in_time).point.shrunk));
-        singles.chain(smallest).flatten().filter(|values| !values.is_empty()).unique().collect()
-    }
-
     /// The structure of the fewest bytes that is enough, the whole one among them.
     pub fn needed(&self, in_time: bool) -> &Step<'a> {
         let of_axes = self.axes.iter().flat_map(|axis| axis.enough(in_time));
@@ -209,15 +191,4 @@ pub(super) fn of_record<'a>(record: &'a Record, limits: &'a NeedRecord, curve: &
 
 fn trace_of<'r>(row: &'r Row, rays: &str) -> Option<&'r TraceRecord> {
     row.traces.iter().find(|trace| trace.rays == rays)
-}
-
-/// What becomes of every need in every other place where the same was measured of the same tracer: from another viewpoint of the scene,
-/// and on other scenes.
-pub fn transfers<'a>(curves: &'a [Curve<'a>]) -> Vec<Transfer<'a>> {
-    let of = |curve: &Curve<'a>| (&curve.section.tracer, &curve.section.preset, curve.rays);
-    let tried = |(from, values): (&'a Curve<'a>, &'a BTreeMap<String, String>)| {
-        let others = curves.iter().filter(move |to| of(to) == of(from) && !std::ptr::eq(from.section, to.section));
-        others.map(move |to| ([from, to], values, to.steps().find(|step| step.point.shrunk == *values)))
-    };
-    curves.iter().flat_map(|from| from.needs().into_iter().map(move |values| (from, values))).flat_map(tried).collect()
 }

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use itertools::Itertools as _;
 
-pub use curves::{Axis, Curve, Step, Transfer, curves, transfers};
+pub use curves::{Axis, Curve, Step, curves};
 pub use rules::{OfTracer, Outcome, Thumb, Tried, rules};
 
 use crate::judge::Rule;

@@ -6,7 +6,7 @@ use itertools::Itertools as _;
 use tracebench_api::named;
 
 use super::{Curve, Step};
-use crate::results::NeedCurve;
+use crate::results::{NeedCurve, Ratio};
 
 named! {
     /// Whether a smaller structure's answers are as good as the whole one's.
@@ -52,6 +52,12 @@ impl<'a> Tried<'a> {
     pub fn worst(&self) -> Option<&'a Step<'a>> {
         let upper = |step: &Step<'_>| step.lost().map_or(f64::NEG_INFINITY, |(_, [_, upper])| upper);
         self.cases.iter().filter_map(|(_, step)| *step).max_by(|one, other| upper(one).total_cmp(&upper(other)))
+    }
+
+    /// The most times as long that traces take, of those that were timed.
+    pub fn slowest(&self) -> Option<Ratio> {
+        let ratios = self.cases.iter().filter_map(|(_, step)| (*step)?.times_as_long);
+        ratios.max_by(|one, other| one.value.total_cmp(&other.value))
     }
 
     /// Its bytes as a share of the whole structure's, the geometric mean over all cases; none where any is missing.

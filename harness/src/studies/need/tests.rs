@@ -186,52 +186,6 @@ fn what_is_larger_is_no_step() {
     }
 }
 
-/// Proves that a need which was found from one viewpoint is compared with what the same does from another, and the other way round, that
-/// it serves where that loses as little, and that it is compared with nothing where the same was not measured.
-#[test]
-fn needs_are_tried_elsewhere() {
-    let even = [1.0; 3];
-    let (mut rows, here) = planted("door", 0, [0, 0, 500], even);
-    let (others, there) = planted("window", 1, [0, 500, 500], even);
-    rows.extend(others);
-    let mut record = fixture::run(&[], &[]);
-    record.rows = rows;
-    record.need = Some(section_of(vec![here, there]));
-    let of = |record: &Record| {
-        let curves = curves(record, record.need.as_ref().unwrap());
-        let serves = |step: &Step<'_>| step.outcome().map(|outcome| outcome == Outcome::Enough);
-        let told = |([from, _], values, step): &Transfer<'_>| {
-            (from.section.viewpoint.clone(), values_label(values), step.and_then(serves))
-        };
-        transfers(&curves).iter().map(told).collect::<Vec<_>>()
-    };
-    let expected = |from: &str, value: &str, serves| (from.to_owned(), format!("buckets={value}"), serves);
-    assert_eq!(of(&record), [expected("door", "4", Some(false)), expected("window", "8", Some(true))]);
-    record.need.as_mut().unwrap().curves[1].points[2].changed.clear();
-    assert_eq!(of(&record)[0], expected("door", "4", None));
-    // Several things at once, where they are the smallest that is enough.
-    let mut together = record.clone();
-    for (curve, newly_wrong) in together.need.as_mut().unwrap().curves.iter_mut().zip([0, 700]) {
-        let mut point = curve.points[2].clone();
-        point.shrunk.insert("layers".to_owned(), "1".to_owned());
-        point.parameters.insert("layers".to_owned(), 1.into());
-        point.changed.insert("diffuse".to_owned(), ChangedRays { rays: 100_000, newly_wrong, newly_right: 0 });
-        let whole = &curve.points[2];
-        let row = together.rows.iter().find(|row| curve.holds(row) && whole.is_of(row)).unwrap();
-        let mut row = row.clone();
-        row.tracer.parameters.clone_from(&point.parameters);
-        row.memory.structure_bytes = 1 << 20;
-        together.rows.push(row);
-        curve.points.push(point);
-    }
-    let told = of(&together);
-    let values = "buckets=4 layers=1".to_owned();
-    assert!(told.contains(&("door".to_owned(), values.clone(), Some(false))), "{told:?}");
-    assert!(!told.contains(&("window".to_owned(), values, Some(true))), "{told:?}");
-    record.need.as_mut().unwrap().curves[1].tracer = "other".to_owned();
-    assert!(of(&record).is_empty());
-}
-
 /// Proves, by counts that were worked out by hand, that a rule is the smallest structure that is enough in every viewpoint of every scene that
 /// it was made of; that it is tried in the scene that it was not made of, and told to be undecided or to lose there where it is and does;
 /// and that it is the whole structure where no smaller one is enough.
