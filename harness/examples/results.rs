@@ -291,7 +291,7 @@ fn measure(root: &Path, entry: &Entry) -> Result<(f64, String), String> {
     if taken > 0.1 {
         eprintln!("{}: another job took {taken:.1} cores: times are of a busy machine", entry.folder);
     }
-    install(&scratch, &folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    install(&scratch, &folder, words[0]).map_err(|error| format!("{}: {error}", folder.display()))?;
     if let Some(stills) = &entry.stills {
         keep_stills(&scratch, &folder, stills).map_err(|reason| format!("{}: {reason}", folder.display()))?;
     }
@@ -360,9 +360,9 @@ fn ticks_of_others() -> f64 {
     sum(&all, &[0, 1, 2, 5, 6, 7]) - sum(&own, &[10, 11, 12, 13])
 }
 
-/// Takes over the record, of what derives from it the pages that were there before, or `scenes.md`, and the charts that these show. What no
-/// longer derives from it goes.
-fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
+/// Takes over the record, of what derives from it the pages that were there before, or that of its verb, and the charts that these show. What
+/// no longer derives from it goes.
+fn install(scratch: &Path, folder: &Path, verb: &str) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let mut packed_files = String::new();
     for name in ["run.json", "clock.json"] {
@@ -389,7 +389,7 @@ fn install(scratch: &Path, folder: &Path) -> std::io::Result<()> {
         names.insert(name);
     }
     if !names.iter().any(|name| name.ends_with(".md")) {
-        names.insert("scenes.md".to_owned());
+        names.insert(if verb == "run" { "scenes.md".to_owned() } else { format!("{verb}.md") });
     }
     for page in names.clone().into_iter().filter(|name| name.ends_with(".md")) {
         let text = std::fs::read_to_string(scratch.join(page)).unwrap_or_default();
