@@ -246,7 +246,7 @@ pub(super) fn named(svg: &str) -> String {
             format!("{before}{}{between}{}{behind}", left - x, top - y)
         };
         let look = part(rim) + &part(shape);
-        let name = format!("m{}", &sha256_of(look.as_bytes())[..6]);
+        let name = format!("m{}", &sha256_of(look.as_bytes())[..8]);
         all += &format!("<use href=\"#{name}\" x=\"{x}\" y=\"{y}\"/>\n");
         looks.entry(name).or_insert(look);
     }
