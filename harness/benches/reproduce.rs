@@ -112,6 +112,7 @@ fn plan(preset: RunPreset) -> Plan {
         time_s: 0.0,
         seed: 1,
         trace_to: TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }

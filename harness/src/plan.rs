@@ -256,6 +256,8 @@ pub struct Plan {
     pub seed: u64,
     /// How far traces go.
     pub trace_to: TraceTo,
+    /// Whether builds are timed where traces are: else everything is built once.
+    pub builds_timed: bool,
     /// How many wrong rays of each cause a row keeps.
     pub wrong_rays_per_cause: usize,
     /// Name of the table that the run is made for, if it is made for one.
@@ -284,7 +286,7 @@ impl Plan {
             "ray_parameters": self.ray_parameters,
             "preset": name, "ray_image": ray_image, "frame": frame, "face": face, "sampling": sampling,
             "scene_scale": scene_scale, "view": format!("{:?}", self.view), "time_s": self.time_s, "seed": self.seed,
-            "trace_to": self.trace_to, "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
+            "trace_to": self.trace_to, "builds_timed": self.builds_timed, "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
         })
     }
 }

@@ -191,6 +191,7 @@ impl CommonArguments {
             time_s: self.animation_time,
             seed: 1,
             trace_to: TraceTo::Hit,
+            builds_timed: true,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
             table,
         })

@@ -225,6 +225,7 @@ fn doublings_are_measured() {
             time_s: 0.0,
             seed: 1,
             trace_to: TraceTo::Hit,
+            builds_timed: true,
             wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
             table: None,
         };

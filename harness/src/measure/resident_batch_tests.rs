@@ -118,6 +118,7 @@ fn plan() -> Plan {
         time_s: 0.0,
         seed: 1,
         trace_to: tracebench_api::TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }

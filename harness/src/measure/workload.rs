@@ -34,7 +34,8 @@ pub(crate) struct MeasureOptions {
 impl MeasureOptions {
     /// Everything, with times taken as a plan says.
     pub fn timed(plan: &Plan) -> Self {
-        Self { sampling: Some(plan.preset.sampling), seed: plan.seed, ..Self::untimed() }
+        let (sampling, builds_timed) = (Some(plan.preset.sampling), plan.builds_timed);
+        Self { sampling, seed: plan.seed, builds_timed, ..Self::untimed() }
     }
 
     /// Everything once.

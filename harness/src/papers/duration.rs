@@ -92,8 +92,9 @@ fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, record: &R
     // Numbers of at least 0 are in the order of their bits.
     let distance = |row: &&Row| (other_scale(row).to_bits(), other_launch(row), far(row).to_bits());
     let row = record.rows.iter().filter(alike).min_by_key(distance)?;
-    // Every round builds first, and then once more.
-    let build = (host_ms(row.build.first())? + host_ms(row.build.steady())?) * face / pixels([row.viewpoint.face; 2]);
+    // Every round builds first, and then once more; what is about traces alone builds once.
+    let builds = || Some(host_ms(row.build.first())? + host_ms(row.build.steady())?);
+    let build = if plan.builds_timed { builds()? * face / pixels([row.viewpoint.face; 2]) } else { 0.0 };
     let mut said = record.ray_parameters.clone();
     said.extend(row.viewpoint.ray_parameters.clone());
     let (own, theirs) = (json!(plan.ray_parameters), json!(said));
@@ -151,6 +152,7 @@ mod tests {
             time_s: 0.0,
             seed: 1,
             trace_to: TraceTo::Hit,
+            builds_timed: true,
             wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
             table: None,
         };

@@ -32,6 +32,9 @@ pub struct Experiment {
     /// How far traces go at least.
     #[serde(default)]
     pub trace_to: TraceTo,
+    /// Whether it is about traces alone: its builds are not timed.
+    #[serde(default)]
+    pub traces_alone: bool,
     /// What is asked where it is frames of a moving scene, of effects or of its ray sets, of one step.
     pub frames: Option<FramesRequest>,
     /// What is run one after the other.
@@ -152,8 +155,8 @@ impl Experiment {
             let trace_to = if base.trace_to == TraceTo::Surface { base.trace_to } else { self.trace_to };
             let time_s = if base.time_s == 0.0 { step.time_s } else { base.time_s };
             let ray_parameters = step.ray_parameters(&base.ray_parameters);
-            let tracers = tracers.clone();
-            Ok(Plan { preset, trace_to, time_s, tracers, ray_parameters, table: Some(self.name), ..base.clone() })
+            let (tracers, builds_timed, table) = (tracers.clone(), !self.traces_alone, Some(self.name));
+            Ok(Plan { preset, trace_to, builds_timed, time_s, tracers, ray_parameters, table, ..base.clone() })
         };
         self.steps.iter().zip(steps).map(plan).collect()
     }

@@ -165,6 +165,7 @@ fn plan(size: [u32; 2]) -> crate::plan::Plan {
         time_s: 0.0,
         seed: 1,
         trace_to: TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
@@ -528,6 +529,56 @@ fn told_functions_are_known() {
         ["byte", "leastt"]
     );
     assert_eq!(unknown(PAPERS[0], "references(dirt[], 2)"), ["references"]);
+}
+
+/// Nothing that decides a claim of an experiment about traces alone, or stands in a table of its own, is told by times of builds, which it
+/// does not take.
+#[test]
+fn traces_alone_need_no_builds() {
+    let file = |paper: &str, name: &str| -> serde_json::Value {
+        let path = format!("{}/src/papers/{paper}/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+    };
+    // Functions may be passed by name, so every word counts.
+    let times_builds = |text: String, functions: &[(String, String)]| {
+        let (mut texts, mut seen) = (vec![text], std::collections::BTreeSet::new());
+        while let Some(text) = texts.pop() {
+            if ["build(", "phase_ms(", "median_time("].iter().any(|call| text.contains(call)) {
+                return true;
+            }
+            let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+            let called = functions.iter().filter(|(name, _)| words.contains(&&**name) && seen.insert(name));
+            texts.extend(called.map(|(_, is)| is.clone()));
+        }
+        false
+    };
+    let mut of_builds = 0;
+    for paper in PAPERS {
+        let (told, pages) = (file(paper.name, "quantities"), file(paper.name, "pages"));
+        let of_other = told["takes_from"].as_str().map(|other| file(other, "quantities"));
+        let all = [Some(&told), of_other.as_ref()].into_iter().flatten().flat_map(|told| told["functions"].as_object());
+        let own_name = |head: &String| head.split('(').next().unwrap_or_default().to_owned();
+        let functions: Vec<_> = all.flatten().map(|(head, is)| (own_name(head), is.to_string())).collect();
+        let quantity_times = |name: &str| {
+            let is_its = |quantity: &&serde_json::Value| quantity["name"] == name;
+            let quantity = told["quantities"].as_array().into_iter().flatten().find(is_its).unwrap();
+            times_builds(quantity["is"].to_string(), &functions)
+        };
+        for experiment in paper.experiments.iter() {
+            let quantities = paper.claims.iter().filter_map(|claim| match &claim.test {
+                Test::Measured { table, quantity, either, .. } if table == experiment.name => {
+                    Some(std::iter::once(quantity).chain(either))
+                }
+                _ => None,
+            });
+            let tables = experiment.sections.iter().map(|name| pages["tables"][*name].to_string());
+            let claims = quantities.flatten().any(|name| quantity_times(name));
+            let needed = claims || tables.into_iter().any(|table| times_builds(table, &functions));
+            assert!(!needed || !experiment.traces_alone, "{} has builds to time", experiment.name);
+            of_builds += u32::from(needed);
+        }
+    }
+    assert!(of_builds >= 12, "{of_builds}");
 }
 
 /// What cannot be read says what is wanted, and where; steps leave out or refuse what is missing, as they are told.

@@ -54,9 +54,9 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
     Some(Document::default().headed(3, heading, of).table(structures(page, scene)).and(sets))
 }
 
-/// Counts, bytes and builds; times only in runs that tell accuracies too.
+/// Counts, bytes and builds; times only where they were taken, in runs that tell accuracies too.
 fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
-    let timed = scene.rows.iter().any(|row| !row.traces.is_empty());
+    let timed = scene.rows.iter().any(|row| !row.traces.is_empty() && row.build.first.is_some());
     let known = |name: &str| scene.rows.iter().any(|row| row.structure_statistics.contains_key(name));
     let counts = page.paper.own.counts.iter().filter(|(name, _)| known(name));
     let count = |(name, heading): &(&'static str, &'static str)| {

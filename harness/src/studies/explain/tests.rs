@@ -57,6 +57,7 @@ fn in_the_room(request: &TracerRequest, rays: &[&str]) -> Plan {
         time_s: 0.0,
         seed: 1,
         trace_to: TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }

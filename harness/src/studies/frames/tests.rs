@@ -201,6 +201,7 @@ fn plan(scene: &str, tracers: &[&str], rays: usize) -> Plan {
         time_s: 0.0,
         seed: 1,
         trace_to: TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: 0,
         table: None,
     }

@@ -222,7 +222,7 @@ fn place(
     let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Observations>]| {
         measure::told(&(rays.set.name, changes(session, request, rays, told)?))
     };
-    let options = MeasureOptions::timed(plan);
+    let options = MeasureOptions { builds_timed: false, ..MeasureOptions::timed(plan) };
     let mut found = measure::measure_plan(index, plan, &requests, options, Some(&hook), context)?;
     let sets: Vec<(String, Vec<Option<ChangedRays>>)> = found.take_hooked()?;
     let point = |(place, each): (usize, &Shrunk)| {

@@ -261,6 +261,7 @@ fn plan() -> Plan {
         time_s: 0.0,
         seed: 3,
         trace_to: TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
@@ -275,6 +276,9 @@ fn counts_are_those_of_rows() {
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
     let record = execute(&plan(), &context).unwrap();
+    let untimed =
+        |row: &Row| row.build.first.is_none() && row.build.steady.is_none() && row.build.times.samples_ms.is_empty();
+    assert!(record.rows.iter().all(untimed) && record.interleaved_sets.iter().all(|set| set.work != "builds"));
     let section = record.need.as_ref().unwrap();
     let told: Vec<(&str, u32)> = section.curves.iter().map(|curve| (curve.tracer.as_str(), curve.view)).collect();
     assert_eq!(told, [("bvh-cpu", 0), ("screen-dda", 0), ("bvh-cpu", 1), ("screen-dda", 1)]);

@@ -246,6 +246,7 @@ fn plan() -> Plan {
         time_s: 0.0,
         seed: 7,
         trace_to: TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }

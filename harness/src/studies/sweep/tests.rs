@@ -108,6 +108,7 @@ fn plan(own: &str) -> Plan {
         time_s: 0.0,
         seed: 1,
         trace_to: tracebench_api::TraceTo::Hit,
+        builds_timed: true,
         wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
