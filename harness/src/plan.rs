@@ -286,7 +286,8 @@ impl Plan {
             "ray_parameters": self.ray_parameters,
             "preset": name, "ray_image": ray_image, "frame": frame, "face": face, "sampling": sampling,
             "scene_scale": scene_scale, "view": format!("{:?}", self.view), "time_s": self.time_s, "seed": self.seed,
-            "trace_to": self.trace_to, "builds_timed": self.builds_timed, "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
+            "trace_to": self.trace_to, "builds_timed": self.builds_timed,
+            "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
         })
     }
 }

@@ -92,7 +92,7 @@ fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, record: &R
     // Numbers of at least 0 are in the order of their bits.
     let distance = |row: &&Row| (other_scale(row).to_bits(), other_launch(row), far(row).to_bits());
     let row = record.rows.iter().filter(alike).min_by_key(distance)?;
-    // Every round builds first, and then once more; what is about traces alone builds once.
+    // Every round builds first, and then once more. The one build of what is about traces alone is left out: its records do not time it.
     let builds = || Some(host_ms(row.build.first())? + host_ms(row.build.steady())?);
     let build = if plan.builds_timed { builds()? * face / pixels([row.viewpoint.face; 2]) } else { 0.0 };
     let mut said = record.ray_parameters.clone();
@@ -168,6 +168,14 @@ mod tests {
             "{}",
             found.describe("t")
         );
+        // Where builds are not timed a record without their times tells as much.
+        let (alone, mut untimed) = (Plan { builds_timed: false, ..plan.clone() }, record.clone());
+        for times in untimed.rows.iter_mut().flat_map(|row| row.build.all_mut()) {
+            (times.clock, times.submit_to_done_median_ms) = (tracebench_api::ClockKind::Host, None);
+            times.samples_ms.clear();
+        }
+        let of_untimed = |plan: &Plan| Duration::of(std::slice::from_ref(plan), &untimed);
+        assert_eq!((of_untimed(&plan).known, of_untimed(&alone)), (0, Duration { builds_s: 0.0, ..found }));
         // What the machine's launch settings make of a row's parameters tells no row apart.
         record.rows[0].tracer.parameters.insert(MEMORY_ACCESS.to_owned(), json!("texture"));
         record.rows[0].tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(32));

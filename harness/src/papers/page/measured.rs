@@ -56,7 +56,7 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
 
 /// Counts, bytes and builds; times only where they were taken, in runs that tell accuracies too.
 fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
-    let timed = scene.rows.iter().any(|row| !row.traces.is_empty() && row.build.first.is_some());
+    let timed = scene.rows.iter().any(|row| !row.traces.is_empty() && !row.build.times.samples_ms.is_empty());
     let known = |name: &str| scene.rows.iter().any(|row| row.structure_statistics.contains_key(name));
     let counts = page.paper.own.counts.iter().filter(|(name, _)| known(name));
     let count = |(name, heading): &(&'static str, &'static str)| {

@@ -110,9 +110,7 @@ fn table<'a>(told: &'a ToldTable, at: Option<&mut Evaluation<'a>>) -> Table {
             rows.push(row);
         });
     }
-    // A column that no row has is left out.
-    let is_told = |place: usize| rows.is_empty() || rows.iter().any(|row| row[place] != Cell::None);
-    let headings = headings.into_iter().enumerate().filter(|(place, _)| is_told(*place));
+    let headings = headings.into_iter().enumerate();
     let sheet = headings.fold(Sheet::<Vec<Cell>>::new(), |sheet, (place, heading)| {
         sheet.column(heading, move |row: &Vec<Cell>| row[place].clone())
     });
