@@ -106,20 +106,22 @@ fn surface_starts(sketch: &mut Sketch, lift: f64) {
     }
 }
 
-fn cell_borders(sketch: &mut Sketch, off: f64) {
-    // A wall square to the view that fills half of it.
-    sketch.plate(dvec3(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
+/// Rays along lines of an image, pixels from its middle and so many pixels off, up to a reach across and a depth.
+fn along_borders(sketch: &mut Sketch, off: f64, (pixel, eye): (f64, DVec3), border: fn(f64) -> f64, to: [f64; 2]) {
     for index in 0..RAYS {
-        // A line of the image: pixel border and how far off it.
-        let line = (0.4 * sketch.signed() * 256.0).round();
-        let side = if sketch.unit() < 0.5 { off } else { -off };
-        let line = (line + side) * PIXEL;
-        let along = 0.45 * sketch.signed();
+        let line = (border(sketch.signed()) + if sketch.unit() < 0.5 { off } else { -off }) * pixel;
+        let along = to[0] * sketch.signed();
         let start = 1.0 + 2.5 * sketch.unit();
         let end = along + 0.3 * sketch.signed();
         let on = |along: f64| if index % 2 == 0 { dvec3(line, along, -1.0) } else { dvec3(along, line, -1.0) };
-        sketch.towards(on(along) * start, on(end) * 4.0);
+        sketch.towards(eye + on(along) * start, eye + on(end) * to[1]);
     }
+}
+
+fn cell_borders(sketch: &mut Sketch, off: f64) {
+    // A wall square to the view that fills half of it.
+    sketch.plate(dvec3(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
+    along_borders(sketch, off, (PIXEL, DVec3::ZERO), |unit| (0.4 * unit * 256.0).round(), [0.45, 4.0]);
 }
 
 /// The face that looks along -z, as image-space methods with pulled-back centres have it (VVP16, section 3.2).
@@ -134,16 +136,7 @@ fn face_cell_borders(sketch: &mut Sketch, off: f64) {
     sketch.camera.near = Some(0.05);
     let face = forward_face(&sketch.viewpoint());
     let pixel = 2.0 * face.tan_half_width / f64::from(face.size[0]);
-    for index in 0..RAYS {
-        let border = 2.0 * (0.2 * sketch.signed() * 128.0).round();
-        let side = if sketch.unit() < 0.5 { off } else { -off };
-        let line = (border + side) * pixel;
-        let along = 0.4 * sketch.signed();
-        let start = 1.0 + 2.5 * sketch.unit();
-        let end = along + 0.3 * sketch.signed();
-        let on = |along: f64| if index % 2 == 0 { dvec3(line, along, -1.0) } else { dvec3(along, line, -1.0) };
-        sketch.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
-    }
+    along_borders(sketch, off, (pixel, face.eye), |unit| 2.0 * (0.2 * unit * 128.0).round(), [0.4, 4.2]);
 }
 
 fn view_centre(sketch: &mut Sketch, distance: f64) {

@@ -35,7 +35,7 @@ const WHITENED: f64 = 0.55;
 pub(in crate::report) const NAME_SIZE: f64 = 9.5;
 /// Width of the line of the front of all.
 pub(in crate::report) const FRONT_WIDTH: f64 = 1.5;
-/// Width of the line of a tracer's own front.
+/// Width of the line of a tracer's own front, and of that from a point to its name.
 pub(in crate::report) const OWN_WIDTH: f64 = 0.75;
 /// From where to where below a point its arrow goes.
 const ARROW: [f64; 2] = [6.0, 13.0];
@@ -325,7 +325,8 @@ pub(super) fn draw(canvas: &mut Canvas, Layer { own, front, points, names }: Lay
             FrontStatus::Behind => canvas.filled_marker(place, FAINT, faint(*style)),
         }
     }
-    for Name { point, place } in names {
+    for Name { point, place, leader } in names {
+        canvas.path(&leader, point.style.colour, OWN_WIDTH);
         canvas.text(&point.name, place, Align::Left, NAME_SIZE, point.style.colour);
     }
 }

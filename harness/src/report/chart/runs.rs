@@ -79,6 +79,7 @@ fn points(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> (Vec<Point>, 
         if role == Role::Control {
             controls.push(level(name.clone(), filled.value));
             // A second line only where the rules differ enough to be seen.
+            let close = |a: f64, b: f64| a == b || (a > 0.0 && b > 0.0 && (a / b).log10().abs() < 0.03);
             if let Some(tight) = hollow.filter(|tight| !close(tight.value, filled.value)) {
                 controls.push(level(format!("{name}, tight"), tight.value));
             }
@@ -114,10 +115,6 @@ fn errors(trace: &TraceRecord) -> Option<(Measured, Option<Measured>)> {
         [balanced] => Some((balanced.wrong_share()?, None)),
         _ => None,
     }
-}
-
-fn close(a: f64, b: f64) -> bool {
-    a == b || (a > 0.0 && b > 0.0 && (a / b).log10().abs() < 0.03)
 }
 
 /// A curve: tolerance and agreement, by rising tolerance.

@@ -117,9 +117,10 @@ fn with_points(place: &Place<'_>, chart: Chart) -> String {
         for (index, placed) in points.iter().enumerate() {
             marks += &mark(place, placed, cost, index == 0, beaten.get(&placed.point.index));
         }
-        for Name { point, place: (left, top) } in names {
+        for Name { point, place: (left, top), leader } in names {
             let (tags, colour) = (Tags::of_tracer(&point.tracer).text(), hex(point.look().0));
-            let name = escape(&point.name);
+            let (name, line) = (escape(&point.name), path(&leader));
+            let _ = writeln!(marks, "<path class=\"own\"{tags} stroke=\"{colour}\" d=\"{line}\"/>");
             let _ = writeln!(marks, "<text{tags} x=\"{left:.1}\" y=\"{top:.1}\" fill=\"{colour}\">{name}</text>");
         }
         marks.push_str("</g>\n");

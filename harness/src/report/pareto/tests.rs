@@ -1,14 +1,16 @@
 //! Pages, tables and charts of fronts over planted points.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
+use crate::report::chart::front::Placed;
 use crate::report::chart::{check_png, check_svg};
 use crate::report::fixture::{self, FrontQuality, Quality, configs, rows, write_derived, write_run};
 use crate::report::read_run;
 use crate::results::{Judgement, Record};
+use crate::studies::pareto::{By, Cost};
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 
@@ -72,6 +74,33 @@ fn fronts_have_their_files() {
         } else if name.ends_with(".png") {
             check_png(name, contents);
         }
+    }
+}
+
+/// Proves that of thirteen tracers in one place each is named, none on a marker: names that lie away have a line from their point.
+#[test]
+fn crowded_points_are_all_named() {
+    let names: Vec<String> = (0..13).map(|index| format!("crowded-{index}:improved")).collect();
+    let of = |(index, name)| planted(name, 0.1, 4.0 + 1e-3 * f64::from(index), 8, 1.0);
+    let points: Vec<_> = (0_u32..).zip(names.iter().map(String::as_str)).map(of).collect();
+    let record = fixture::fronts(&points, &SETS, 30.0);
+    let section = record.pareto.as_ref().unwrap();
+    let field = &crate::studies::pareto::fields(&record, section, &section.scenes[0])[0];
+    let chart =
+        crate::report::chart::front::fronts(field, *By::all(field.query).last().unwrap(), |cost| cost == Cost::Trace);
+    let (_, layer) = chart.layers().next().unwrap();
+    let named: BTreeSet<&str> = layer.names.iter().map(|name| &*name.point.tracer).collect();
+    assert_eq!(named.len(), names.len(), "{named:?}");
+    assert!(layer.names.iter().any(|name| name.leader.is_empty()));
+    assert!(layer.names.iter().any(|name| name.leader.len() == 2));
+    for name in &layer.names {
+        let of = layer.points.iter().find(|placed| placed.point.index == name.point.index).unwrap();
+        assert!(name.leader.first().is_none_or(|from| *from == of.place));
+        let covered = |placed: &Placed<'_>| {
+            let (x, y) = placed.place;
+            (name.place.1 - y).abs() < 6.0 && x > name.place.0 && x < name.place.0 + 30.0
+        };
+        assert!(!layer.points.iter().any(covered), "{name:?}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! Names beside the points of a front.
 
+use itertools::Itertools as _;
+
 use super::{ARROW, NAME_SIZE, ON_FRONT, Placed, Places, Point};
 use crate::report::chart::canvas::text_width;
 use crate::report::chart::frame::Rect;
@@ -8,10 +10,8 @@ use crate::studies::pareto::FrontStatus;
 
 /// Height of a line of names.
 const NAME_LINE: f64 = 12.0;
-
-/// How far below a point the middle of its name may be, first where it is best.
-const DROPS: [f64; 18] =
-    [-8.0, 8.0, -8.0, 8.0, -15.0, 20.0, -22.0, -22.0, 22.0, 22.0, 34.0, -30.0, 0.0, 0.0, 36.0, 36.0, -36.0, -36.0];
+/// A line from a place to another.
+type Way = [(f64, f64); 2];
 
 /// A point's name.
 #[derive(Debug)]
@@ -19,6 +19,8 @@ pub(in crate::report) struct Name<'a> {
     pub point: &'a Point,
     /// Where it begins, and its middle.
     pub place: (f64, f64),
+    /// The line from the point to it if that is longer than a line of names is high.
+    pub leader: Places,
 }
 
 /// What a point covers: left, right, top and bottom.
@@ -37,6 +39,13 @@ fn meet(one: &[f64; 4], other: &[f64; 4]) -> bool {
     one[0] < other[1] + 2.0 && other[0] < one[1] + 2.0 && one[2] < other[3] + 1.0 && other[2] < one[3] + 1.0
 }
 
+/// Whether a way goes through a box in which it does not begin.
+fn crosses([from, to]: &Way, of: &[f64; 4]) -> bool {
+    let at = |part: f64| [from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part];
+    let within = |[x, y]: [f64; 2]| x > of[0] && x < of[1] && y > of[2] && y < of[3];
+    !within(at(0.0)) && (1..16).any(|part| within(at(f64::from(part) / 16.0)))
+}
+
 /// The names of points on the front, of neighbours of the same name one, and of every other tracer's best; each where it meets no
 /// other.
 pub(super) fn names<'a>(panel: &Panel, rect: Rect, front: &Places, points: &[Placed<'a>]) -> Vec<Name<'a>> {
@@ -50,35 +59,35 @@ pub(super) fn names<'a>(panel: &Panel, rect: Rect, front: &Places, points: &[Pla
     let (mut on, behind): (Vec<&Placed<'a>>, Vec<&Placed<'a>>) = points.iter().partition(is_on);
     on.sort_by(|a, b| a.point.cost.total_cmp(&b.point.cost).then(b.point.y.total_cmp(&a.point.y)));
     on.dedup_by(|next, before| next.point.name == before.point.name);
-    let (mut taken, mut names): (Vec<[f64; 4]>, _) = (Vec::new(), Vec::new());
+    let (mut taken, mut names): (Vec<([f64; 4], Way)>, _) = (Vec::new(), Vec::new());
     let is_named: Vec<&str> = on.iter().map(|placed| &*placed.point.tracer).collect();
     let best = behind.into_iter().filter(|Placed { point, .. }| point.is_best && !is_named.contains(&&*point.tracer));
-    for Placed { point, place: (left, top), .. } in on.into_iter().chain(best) {
+    for Placed { point, place, .. } in on.into_iter().chain(best) {
         let width = text_width(&point.name, NAME_SIZE);
-        let covers =
-            |(begin, middle): &(f64, f64)| [*begin, begin + width, middle - NAME_LINE / 2.0, middle + NAME_LINE / 2.0];
-        let free = |corner: &(f64, f64)| {
-            let own = covers(corner);
-            let inside = own[0] >= rect.left + 2.0
-                && own[1] <= rect.right - 2.0
-                && own[2] >= rect.top + 2.0
-                && own[3] <= rect.bottom - 2.0;
-            inside && !taken.iter().any(|other| meet(&own, other))
+        // Where it begins and has its middle, what it covers, and the way to it, which ends a little before it.
+        let spot = |(begin, middle): (f64, f64)| {
+            let own = [begin, begin + width, middle - NAME_LINE / 2.0, middle + NAME_LINE / 2.0];
+            let to = (place.0.clamp(begin - 3.0, begin + width + 3.0), place.1.clamp(own[2] + 2.0, own[3] - 2.0));
+            ((begin, middle), own, [*place, to])
         };
-        let clear = |corner: &(f64, f64)| free(corner) && !drawn.iter().any(|other| meet(&covers(corner), other));
-        let ([right, far], [before, ahead]) =
-            ([8.0, 16.0].map(|by| left + by), [8.0, 16.0].map(|by| left - by - width));
-        let over = left - width / 2.0;
-        let begins = [
-            right, right, before, before, over, over, right, before, right, before, over, over, far, ahead, right,
-            before, right, before,
-        ];
-        let corners = begins.into_iter().zip(DROPS.map(|drop| top + drop));
+        let length = |[from, to]: &Way| (to.0 - from.0).hypot(to.1 - from.1);
+        let begins = [8.0, 28.0, 64.0].into_iter().flat_map(|by| [place.0 + by, place.0 - by - width]);
+        let drops = (0..24).map(|step| 7.0 * f64::from(step));
+        let spots = begins.cartesian_product(drops.flat_map(|by| [place.1 - by, place.1 + by])).map(spot);
+        let spots = spots.sorted_by(|a, b| length(&a.2).total_cmp(&length(&b.2))).collect_vec();
+        let free = |(_, own, way): &&(_, [f64; 4], Way)| {
+            let inside = own[0] >= rect.left + 2.0 && own[1] <= rect.right - 2.0;
+            let inside = inside && own[2] >= rect.top + 2.0 && own[3] <= rect.bottom - 2.0;
+            inside && !taken.iter().any(|(name, led)| meet(own, name) || crosses(led, own) || crosses(way, name))
+        };
+        let bare = |spot: &&_| free(spot) && !drawn.iter().any(|other| meet(&spot.1, other));
+        let clear = |spot: &&_| bare(spot) && !drawn[..points.len()].iter().any(|other| crosses(&spot.2, other));
         // One that finds no room is told by its colour and form.
-        let found = corners.clone().find(clear).or_else(|| corners.clone().find(free));
-        let Some((begin, middle)) = found else { continue };
-        taken.push(covers(&(begin, middle)));
-        names.push(Name { point, place: (begin, middle) });
+        let found = spots.iter().find(clear).or_else(|| spots.iter().find(bare)).or_else(|| spots.iter().find(free));
+        let Some((corner, own, way)) = found.copied() else { continue };
+        taken.push((own, way));
+        let leader = way.into_iter().filter(|_| length(&way) > NAME_LINE).collect();
+        names.push(Name { point, place: corner, leader });
     }
     names
 }
