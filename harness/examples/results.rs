@@ -179,6 +179,9 @@ fn staleness(root: &Path, entries: &[Entry], entry: &Entry) -> Result<Option<Str
     if rules != u64::from(RULES_VERSION) {
         return Ok(Some(format!("rules version {rules}")));
     }
+    if record["dirty"].as_bool() == Some(true) {
+        return Ok(Some("of a changed tree, no commit".to_owned()));
+    }
     let rows = if record["rows"].is_null() { vec![&record] } else { rows(&record).collect() };
     let is_other = |row: &&&Value| row["fingerprint"].as_str() != tracer_of(row).and_then(machine::fingerprint);
     let other: BTreeSet<&str> = rows.iter().filter(is_other).filter_map(|row| tracer_of(row)).collect();

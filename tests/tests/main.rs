@@ -5,6 +5,7 @@ mod cause_evidence;
 mod coverage;
 mod dirt_exact;
 mod dirt_surfaces;
+mod empty_slots;
 mod fragment_causes;
 mod layouts;
 mod marches;

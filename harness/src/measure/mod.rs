@@ -95,7 +95,7 @@ impl RunError {
 #[cfg(test)]
 mod doubled_tests;
 #[cfg(test)]
-mod replay;
+mod replay_tests;
 #[cfg(test)]
 mod resident_batch_tests;
 #[cfg(test)]

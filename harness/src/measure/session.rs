@@ -32,7 +32,7 @@ pub enum SessionError {
     #[error(transparent)]
     Tracer(#[from] TracerError),
     /// A tracer gave answers to a ray set that are none.
-    #[error("{0} on ray set {1}: {2}")]
+    #[error("{0} on ray set {1}: {2}; where they are unwritten, `--launch texture,1` may help")]
     Judge(String, String, JudgeError),
 }
 

@@ -225,9 +225,23 @@ fn searches_are_compared() {
     set_classes(&mut worse.rows[1], "specular", [0, 0], 0.9);
     close(value("three_step_specular_change", &worse), -0.09);
     close(value("three_step_refraction_change", &worse), -0.01);
+    let mut starts = record.clone();
+    for (row, few) in starts.rows.iter_mut().zip([10, 50, 30]) {
+        for rays in ["specular", "refraction", "ao"] {
+            set_causes(row, rays, &[("near_start", few)]);
+        }
+        // Half of 1000 rays are occluded.
+        set_occlusion(row, [420, 0, 500, 80]);
+    }
+    for rays in ["specular", "refraction"] {
+        close(value(&format!("three_step_{rays}_but_starts"), &starts), in_a_million(40) / 1e6 - 0.01);
+    }
+    close(value("three_step_ao_but_starts", &starts), 0.04);
+    close(value("one_step_ao_but_starts", &starts), 0.02);
     let alone = run_of(record.rows[..1].to_vec());
     for name in [
         "three_step_specular_change",
+        "three_step_visibility_but_starts",
         "three_step_ao_change",
         "one_step_ao_change",
         "one_step_passed_voxels",
@@ -371,7 +385,11 @@ fn resolutions_and_grids_are_compared() {
     close(value("grid_by_rule_build_over_best", &record), 1.5);
     close(value("grid_by_rule_trace_over_best", &record), 1.1);
     close(value("grid_by_rule_three_step_over_best", &record), 11.0 / 990.0);
-    close(value("wrong_axis_rays", &record), in_a_million(7));
+    let mut sets = run_of(figure_6("room", [9.0, 6.0, 5.0]));
+    set_causes(&mut sets.rows[0], "specular", &[("wrong_axis", 4)]);
+    set_causes(&mut sets.rows[0], "refraction", &[("wrong_axis", 9)]);
+    close(value("fewest_wrong_axis_rays", &sets), in_a_million(4));
+    close(value("most_wrong_axis_rays", &sets), in_a_million(9));
     let mut slower = record.clone();
     // One step in A-buffers of 2048.
     set_time(&mut slower.rows[8], "diffuse", 36.0);
@@ -425,6 +443,11 @@ fn scenes_are_ranked() {
         close(value(name, &record), 1.0);
         assert!(values(name, &scenes(&six[..5])).is_empty(), "{name}");
     }
+    let mut three = record.clone();
+    for row in &mut three.rows {
+        row.tracer.parameters.insert("search".to_owned(), json!("three-step"));
+    }
+    close(value("rank_of_three_step_time_by_layers", &three), 1.0);
     let found = |record: &Record| {
         PAPER.quantity("rank_of_bytes_by_triangles").unwrap().values(&PAPER, &Rows::of(record)).remove(0).1
     };

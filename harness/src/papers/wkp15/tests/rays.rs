@@ -283,14 +283,12 @@ fn rows_are_held_against_two_layers() {
     }
 }
 
-/// What grows from near to far: the time of two layers, of DDA by what it looks at; and of rays that one layer does not hold, though the
+/// What grows from near to far: the time of two layers; and of rays that one layer does not hold, though the
 /// view shows them, the share that the best second layer holds, by its name.
 #[test]
 fn displacement_is_held_against_near() {
     let mut record = text();
     close(value("displaced_time_over_near", &record), 2.5);
-    // Four times as long for four times the samples.
-    close(value("dda_time_exponent_over_samples", &record), 1.0);
     let found = values("recovered_by_second_layer", &record);
     let (name, share) = found.iter().next().unwrap();
     close(*share, 0.6);
