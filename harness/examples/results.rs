@@ -491,6 +491,12 @@ mod tests {
                 ("another version of dirt".to_owned(), "made of a".to_owned())
             );
         }
+        write(RULES_VERSION, machine::fingerprint("dirt"));
+        let path = root.path().join("results/a/run.json");
+        let mut record: Value = serde_json::from_str(&read(&path).unwrap()).unwrap();
+        record["dirty"] = true.into();
+        std::fs::write(&path, record.to_string()).unwrap();
+        assert_eq!(why(0).as_deref(), Some("of a changed tree, no commit"));
     }
 
     /// Proves that what was broken off stays to be gone on with, and that what another program began is begun anew: by a program that writes
